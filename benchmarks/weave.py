@@ -4,7 +4,8 @@ A piece of each weave is spun of fibres (viewer/scene/yarn), and path traced wit
 light, by an orthographic camera that sees exactly whole repeats of the draft in its middle. A plate with the weave's
 BSDF is shown to the same camera. The reflectance, pi L / E, is the mean of the picture, for 20 pairs of directions. For
 the anisotropy there are four more, seen along the normal, in light from along the weft, the warp and both diagonals.
-Fibres are so thin that as many of them as make a yarn of THICKNESS fill half of it.
+Fibres are so thin that as many of them as make a yarn of THICKNESS fill half of it. Each reflectance is the mean of
+SEEDS pictures, whose spread gives its standard error.
 
 No parameter is fitted. Those of the BSDF follow from the fibres:
 
@@ -14,7 +15,7 @@ No parameter is fitted. Those of the BSDF follow from the fibres:
 | specular | the mean of Fresnel's reflectance over a cylinder |
 | roughness | the variance of the lobe R along the fibre, half of whose deviation is that of the half vector |
 | thickness | the mean number of fibres across a yarn, by their number and radius |
-| through | random walks through a layer of that thickness of parallel white fibres, in diffuse light |
+| through | random walks through such a layer of parallel white fibres, in diffuse light, of those that meet several |
 
 `--frames` draws assets/scenes/cloth.glb instead, in the studio, in mode pbr: processor time of a frame without a weave
 and with each, one after the other in turn. Where the CPU renders, antialias=auto means ssaa-4 for woven cloth, and
@@ -51,6 +52,7 @@ from . import tracing
 from .shot import REPOSITORY
 
 THICKNESS, FILLED = 3.0, 0.5
+SEEDS = 4
 WIDTH = 32
 """Pixels. Views have cosines of whole pixels over it, so that the picture is exactly as high as whole repeats."""
 VIEWS = ((32, 0.0), (28, 0.0), (28, 90.0), (20, 45.0), (14, 0.0))
@@ -59,7 +61,8 @@ LIGHTS = ((0.97, 17.0), (0.8, 180.0), (0.6, 90.0), (0.45, 241.0))
 PAIRS = tuple((view, (cosine, azimuth + 21 * k)) for k, view in enumerate(VIEWS) for cosine, azimuth in LIGHTS)
 AXES = tuple(((32, 0.0), (0.625, azimuth)) for azimuth in (0.0, 90.0, 45.0, 135.0))
 COLUMNS = {"weave": "weave", "fibres": "fibres:,", "mean": "mean", "pairs within 10 %": "close",
-           "rms of pairs": "rms:.3f", "worst pair": "worst", "light along weft / warp: fibres": "axis_fibres:.2f",
+           "rms of pairs": "rms:.3f", "worst pair": "worst", "standard error of a pair, mean (most)": "error",
+           "light along weft / warp: fibres": "axis_fibres:.2f",
            "BSDF": "axis_bsdf:.2f", "diagonals: fibres": "twist_fibres:.2f", "BSDF ": "twist_bsdf:.2f"}
 
 FRAMES = {"weave": "weave", "pixels": "size", "none, ms": "none:.0f", "msaa-4, ms": "msaa-4:.0f",
@@ -83,7 +86,8 @@ def main() -> None:
         facts = tracing.conditions(tracer) | {"command": "python -m benchmarks.weave", "spp": options.spp}
         tracer.release()
     text = ["# Woven cloth against its fibres", "",
-            "Mean reflectance of red, green and blue over 20 pairs of directions, the BSDF's over the fibres'.", "",
+            "Mean reflectance of red, green and blue over 20 pairs of directions, the BSDF's over the fibres'. "
+            "Standard errors are those of the fibres, without the chance in how they lie.", "",
             *tracing.table(rows, COLUMNS)]
     tracing.keep("weave", facts, rows, text, options.results)
 
@@ -123,21 +127,24 @@ def compare(tracer: Tracer, name: str, spp: int, repeats: int) -> dict[str, obje
     weave, kind = matched(WEAVES[name])
     fibres = weave_fibres(weave, kind, (repeats, repeats))
     pairs = PAIRS + AXES
-    of_fibres = [reflectance(tracer, Scene("fibres", curves=(fibres,)), pair, spp, bounces=100) for pair in pairs]
-    cloth = plate(weave, repeats)
-    of_cloth = [reflectance(tracer, cloth, pair, 2 * spp, bounces=2) for pair in pairs]
-    a, b = np.array(of_fibres), np.array(of_cloth)
+    scene, cloth = Scene("fibres", curves=(fibres,)), plate(weave, repeats)
+    of_fibres = np.array([[reflectance(tracer, scene, pair, -(-spp // SEEDS), bounces=100, seed=seed)
+                           for seed in range(SEEDS)] for pair in pairs])
+    a = of_fibres.mean(axis=1)
+    b = np.array([reflectance(tracer, cloth, pair, 2 * spp, bounces=2) for pair in pairs])
     n = len(PAIRS)
     ratio = b[:n].mean(axis=1) / a[:n].mean(axis=1)
+    error = of_fibres.mean(axis=2).std(axis=1, ddof=1) / math.sqrt(SEEDS) / a.mean(axis=1)
     worst = int(np.argmax(np.abs(np.log(ratio))))
     return {"weave": name, "fibres": fibres.strand_count,
             "mean": ", ".join(f"{x:.3f}" for x in b[:n].mean(axis=0) / a[:n].mean(axis=0)),
             "close": int((np.abs(ratio - 1) < 0.1).sum()), "rms": float(np.sqrt(np.mean((ratio - 1)**2))),
             "worst": f"{ratio[worst]:.2f} at {describe(PAIRS[worst])}",
+            "error": f"{100 * error.mean():.2f} % ({100 * error.max():.2f} %)",
             **{f"{axis}_{what}": float(values[k].sum() / values[k + 1].sum())
                for what, values in (("fibres", a), ("bsdf", b)) for axis, k in (("axis", n), ("twist", n + 2))},
-            "pairs": [{"pair": describe(pair), "fibres": np.round(x, 4).tolist(), "bsdf": np.round(y, 4).tolist()}
-                      for pair, x, y in zip(pairs, of_fibres, of_cloth)]}
+            "pairs": [{"pair": describe(pair), "fibres": np.round(x, 4).tolist(), "bsdf": np.round(y, 4).tolist(),
+                       "error": round(float(e), 4)} for pair, x, y, e in zip(pairs, a, b, error)]}
 
 
 def describe(pair: tuple) -> str:
@@ -170,8 +177,8 @@ def matched(weave: Weave) -> tuple[Weave, YarnKind]:
 
 
 def share_through(kind: YarnKind, thickness: float) -> float:
-    """Of diffuse light on a layer of white fibres that all lie along x: the share that comes out on the other side, by
-    random walks. A fibre that light meets at an angle stands in its way by the sine of that."""
+    """Of diffuse light that meets several fibres of a layer of white ones, which all lie along x: the share that comes
+    out on the other side, by random walks. A fibre that light meets at an angle is in its way by the sine of that."""
     rng = np.random.default_rng(1)
     count = 1 << 15
     fibre = {"sigma_a": np.zeros(3), "beta_m": kind.roughness[0], "beta_n": kind.roughness[1],
@@ -179,18 +186,21 @@ def share_through(kind: YarnKind, thickness: float) -> float:
     cosine, azimuth = np.sqrt(rng.random(count)), 2 * math.pi * rng.random(count)
     sine = np.sqrt(1 - cosine**2)
     direction = np.column_stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine])
-    depth, through = np.zeros(count), 0
+    depth, through, back, fibres = np.zeros(count), 0, 0, 0
     while len(depth):
         met = np.sqrt(np.maximum(1 - direction[:, 0]**2, 1e-9))
         depth = depth - direction[:, 2] * np.log(1 - rng.random(len(depth))) / met
-        through += int((depth > thickness).sum())
+        if fibres > 1:
+            through += int((depth > thickness).sum())
+            back += int((depth < 0).sum())
+        fibres += 1
         inside = (depth >= 0) & (depth <= thickness)
         depth, wo = depth[inside], -direction[inside]
         if len(depth):
             drawn = call_glsl("bsdf/fibre/fibre.glsl", "fibre_sample", f=fibre, h=rng.uniform(-1, 1, len(wo)), wo=wo,
                               u=rng.random((len(wo), 4), np.float32))
             direction = drawn["wi"] / np.linalg.norm(drawn["wi"], axis=1, keepdims=True)
-    return through / count
+    return through / (through + back)
 
 
 def plate(weave: Weave, repeats: int) -> Scene:
@@ -202,7 +212,7 @@ def plate(weave: Weave, repeats: int) -> Scene:
     return Scene("cloth", (mesh,), (cloth,), (Instance(0, np.eye(4)),))
 
 
-def reflectance(tracer: Tracer, scene: Scene, pair: tuple, spp: int, bounces: int) -> np.ndarray:
+def reflectance(tracer: Tracer, scene: Scene, pair: tuple, spp: int, bounces: int, seed: int = 0) -> np.ndarray:
     """pi L / E of red, green and blue in the middle of a cloth about the origin, in the plane z = 0."""
     (pixels, azimuth), (cosine, light) = pair
     turn = math.radians(azimuth)
@@ -214,7 +224,8 @@ def reflectance(tracer: Tracer, scene: Scene, pair: tuple, spp: int, bounces: in
     sun = Light("directional", intensity=math.pi / cosine,
                 direction=tuple((-_direction(cosine, math.radians(light))).tolist()))
     picture = tracer.render(replace(scene, lights=(sun,)), Camera(pose, height=side * pixels / WIDTH),
-                            Settings.of(mode="path", spp=spp, bounces=bounces, background="none"), (WIDTH, pixels))
+                            Settings.of(mode="path", spp=spp, bounces=bounces, background="none", seed=seed),
+                            (WIDTH, pixels))
     return picture.linear[..., :3].mean(axis=(0, 1), dtype=np.float64)
 
 

@@ -49,7 +49,11 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     above = environment_irradiance_over_pi(p.n);
     below = environment_irradiance_over_pi(-p.n);
 #endif
-    vec3 unhidden = above;
+#if HAS_ENVIRONMENT
+    // How much more of it a yarn gets whose normal leans, about: for one whose normal and p.n have the mean p.n + 0.3 t
+    mat2x3 leaning = mat2x3(environment_irradiance_over_pi(normalize(p.n + 0.3 * frame[0])) - above,
+                            environment_irradiance_over_pi(normalize(p.n + 0.3 * frame[1])) - above) / 0.6;
+#endif
     mat2x3 shown = mat2x3(vec3(1.0), vec3(1.0)); // the share of mirrored light that other surfaces leave
 #if HAS_ENVIRONMENT || INDIRECT || MEDIA
 #if MEDIA
@@ -69,14 +73,17 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
 
     WovenDeep deep[4]; // by `yarns` of weave_at
     for (int k = 0; k < 4; ++k) {
-        vec4 yarn = u_weave_yarns[3 * (k & 1)], other = k < 2 ? vec4(0.0, 0.0, 0.0, 1.0) : u_weave_yarns[3 - 3 * (k & 1)];
+        int yarn_at = 5 * (k & 1);
+        vec4 yarn = u_weave_yarns[yarn_at], other = k < 2 ? vec4(0.0, 0.0, 0.0, 1.0) : u_weave_yarns[5 - yarn_at];
         deep[k] = woven_deep(yarn.rgb, yarn.a, other.rgb, other.a, wo.z);
     }
     vec2 cells = (abs(x) + abs(y)) * u_weave_density;
     int places = max(cells.x, cells.y) > 0.1 ? WEAVE_SHARE : 1;
     int lookups = places > 1 ? 1 : WEAVE_LOOKUPS;
     vec3 radiance = vec3(0.0);
-    vec3 mirrored = vec3(0.0), weights = vec3(0.0), due = vec3(0.0); // of the environment; of its samples; from the table
+    // Of what is mirrored, and of what has entered a fibre: light of the environment; weights of its samples; their sum
+    // by the table
+    mat2x3 once = mat2x3(0.0), weights = mat2x3(0.0), due = mat2x3(0.0);
     float straight = 0.0;
     for (int k = 0; k < places; ++k) {
         vec3 place = vec3(v_uv0, 1.0);
@@ -90,18 +97,28 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
 #if HAS_ENVIRONMENT
         // What the yarn here sees, and those about it, are all the light from above.
         float own = (v.seen - v.mean_seen) / max(1.0 - v.mean_seen, 1e-3);
-        vec3 leaning = environment_irradiance_over_pi(normalize(p.n + frame * m.normal)) - unhidden;
-        around += clamp(own, -1.0, 1.0) * leaning;
+        around += clamp(own, -1.0, 1.0) * (leaning * m.normal.xy);
 #endif
         sent += v.back * max(around, 0.0) + v.through * below;
 #if HAS_ENVIRONMENT
-        due += place.z * v.mirrored * m.specular;
+        due += place.z * mat2x3(v.mirrored * m.specular, v.once);
         for (int j = 0; j < lookups; ++j) {
-            vec3 h = flakes_sample(v.flakes, wo, hammersley(uint(k * lookups + j), uint(places * lookups)));
+            // In turn, for a warp and a weft
+            int lobe = (k * lookups + j) >> 1 & 1;
+            bool is_mirrored = lobe == 0;
+            Flakes f = Flakes(m.axis, is_mirrored ? v.flakes.alpha : ENTERED_ALPHA);
+            vec3 h = flakes_sample(f, wo, hammersley(uint(k * lookups + j), uint(places * lookups)));
             vec3 wi = 2.0 * dot(wo, h) * h - wo;
-            vec3 weight = m.specular * (place.z * woven_weight(v, m.thickness, wo, wi) / float(lookups));
-            weights += weight;
-            mirrored += weight * environment_specular(frame * wi, 0.5);
+            vec3 weight = m.specular;
+            if (!is_mirrored) {
+                float density = 4.0 / max(flakes_density(f, h), 1e-6); // over the area of the flakes
+                wi = 2.0 * dot(m.axis, wi) * m.axis - wi;
+                vec2 e = entered_once(m.axis, wo, wi, azimuth_about(m.axis, wo, wi)) * density;
+                weight = m.passed * e.x + m.returned * e.y;
+            }
+            weight *= place.z * woven_weight(v, m.thickness, wo, wi);
+            weights[lobe] += weight;
+            once[lobe] += weight * environment_specular(frame * wi, is_mirrored ? 0.5 : 0.6);
         }
 #endif
 #if LIGHT_COUNT > 0
@@ -109,7 +126,7 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
 #endif
         radiance += place.z * sent;
     }
-    radiance += shown[0] * mirrored * due / max(weights, vec3(1e-6));
+    for (int j = 0; j < 2; ++j) radiance += shown[0] * once[j] * due[j] / max(weights[j], vec3(1e-6));
 #if ALPHA_MODE == 2
     covered *= 1.0 - straight / float(places);
     return radiance / max(float(places) - straight, 1e-4); // what is written is multiplied by the coverage

@@ -211,7 +211,7 @@ MUTATIONS = [
              "float bend = 0.0;"),
     Mutation("warp and weft exchanged", "bsdf/weave/weave.glsl", "& 1) == 1) == is_front;", "& 1) == 1) != is_front;"),
     Mutation("woven fibres let no light through to others", "bsdf/weave/woven_view.glsl",
-             "is_through ? abs(lambda_o - lambda_i) : lambda_o + lambda_i", "abs(lambda_o - lambda_i)"),
+             "is_through ? abs(lambda_o - lambda_i) : max(lambda_o, lambda_i)", "abs(lambda_o - lambda_i)"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 

@@ -97,7 +97,7 @@ WRONG_FORMULAS = [
                  "complex_product(lobes.turn[p], azimuthal_sample(lobes.scale, u.w))",
                  "complex_product(conjugate(lobes.turn[p]), azimuthal_sample(lobes.scale, u.w))", check_fibres),
     WrongFormula("what woven yarns mirror kept in their diffuse light", "bsdf/weave/woven_view.glsl",
-                 "v.rest = met - m.specular * v.mirrored;", "v.rest = vec3(met);", check_woven),
+                 "v.rest = woven_rest(m, met, once);", "v.rest = vec3(met);", check_woven),
     WrongFormula("light of woven yarns from the bottom of a layer kept in its reflection", "bsdf/weave/depth.glsl",
                  "    d.back = color * x * d.through;", "    d.back = vec3(0.0);", check_woven),
 ]

@@ -9,6 +9,7 @@ import pytest
 import woven_twin as twin
 
 from viewer import call_glsl
+from viewer.bake.entered import entered_share
 from viewer.bake.yarn import SLICES, max_rise, mirrored_share, weave_table
 from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.scene.weave import WEAVES, Weave, Yarn
@@ -18,7 +19,7 @@ ALPHA, THICKNESS = (0.02, 0.1, 0.4, 1.0), (0.0, 1e-6, 0.5, 4.0, 1e4)
 COSINES = (1.0, 0.6, 0.2, 0.01, 1e-6)
 DELTA = 4
 NONE = np.zeros((385, 24, 4), np.float32)
-"""A table where nothing is mirrored."""
+"""A table where nothing leaves at once."""
 WARP, WEFT = Yarn(roughness=0.15, thickness=4.0, bend=40.0), Yarn(roughness=1.0, thickness=0.7, bend=40.0)
 
 
@@ -46,7 +47,8 @@ def cloth(yarn=WARP, tilt=0.0, turn=0.0, lean=None, **parameters):
     rise = np.minimum(np.abs(axis[..., 2]) / max_rise(yarn), 1)
     slice_ = (0 if yarn is WARP else SLICES) + rise * (SLICES - 1)
     return {"axis": f32(axis), "normal": f32(normal), "alpha": yarn.roughness, "thickness": yarn.thickness,
-            "specular": 0.5, "diffuse": 1.0, "through": 0.3, "below": np.ones(3), "below_through": 0.4,
+            "specular": 0.5, "passed": 1.0, "returned": 1.0, "diffuse": 1.0, "through": 0.3,
+            "below": np.ones(3), "below_through": 0.4,
             "slice": f32(slice_), "horizon": 1e6, "gap": np.array([-1.0, -1.0]),
             **{name: f32(value) for name, value in parameters.items()}}
 
@@ -80,31 +82,35 @@ def sphere(bins, inner):
     return np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=-1), area
 
 
-def test_what_is_mirrored_against_float64():
+def test_what_meets_one_fibre_against_float64():
     rng = np.random.default_rng(1)
     count = 20_000
     m = cloth(tilt=rng.uniform(-1, 1, count), turn=rng.uniform(0, 7, count), alpha=rng.uniform(0.05, 1, count),
-              thickness=rng.exponential(2, count), diffuse=0.0, specular=1.0)
+              thickness=rng.exponential(2, count), diffuse=0.0,
+              specular=np.repeat([[1.0] * 3, [0.0] * 3], count // 2, axis=0))
     wo, wi = (f32(unit(rng.normal(size=(count, 3)))) for _ in range(2))
     usable = (np.abs(wo[:, 2]) > 0.02) & (np.abs(wi[:, 2]) > 0.02) & (np.linalg.norm(wo + wi, axis=-1) > 0.05)
     found = call_glsl(FILE, "woven_eval", m=m, wo=wo, wi=wi, table=NONE)[usable] * np.abs(wi[usable, 2:])
     axis = unit(m["axis"])
-    expected = twin.mirrored(axis, m["alpha"], m["thickness"], wo, wi)[usable, None]
+    parts = (part(axis, m["alpha"], m["thickness"], wo, wi) for part in (twin.mirrored, twin.entered))
+    expected = np.where(m["specular"][:, 0] == 1, *parts)[usable, None]
     assert (np.abs(found - expected) / np.maximum(expected, 1e-2)).max() < 1e-3
     view = call_glsl(FILE, "woven_view(Woven, vec3, sampler2D)", m=m, wo=wo, table=NONE)
     assert np.abs(view["straight"] - twin.straight(axis, m["alpha"], m["thickness"], wo)).max() < 2e-5
 
 
-def test_the_table_holds_the_share_that_is_mirrored():
+def test_the_table_holds_the_shares_that_leave_at_once():
     """Against quadrature; and never so much less that light would be created."""
     rng = np.random.default_rng(5)
     wo = seen(rng.uniform(0.1, 1, 24), rng.uniform(0, 7, 24)) * rng.choice([-1, 1], 24)[:, None]
     for yarn, error in ((WARP, 0.02), (WEFT, 5e-3)):
-        m = cloth(yarn, tilt=rng.uniform(-0.9, 0.9, 24), turn=rng.uniform(0, 7, 24))
-        found = call_glsl(FILE, "woven_view(Woven, vec3, sampler2D)", m=m, wo=wo, table=table())["mirrored"]
-        exact = twin.mirrored_share(unit(m["axis"]), yarn.roughness, yarn.thickness, wo,
-                                    [part.reshape(-1, *part.shape[2:]) for part in sphere(16, 12)])
-        assert (found - exact).max() < error and (found - exact).min() > -0.008
+        m = cloth(yarn, tilt=rng.uniform(-0.7, 0.7, 24), turn=rng.uniform(0, 7, 24))
+        view = call_glsl(FILE, "woven_view(Woven, vec3, sampler2D)", m=m, wo=wo, table=table())
+        nodes = [part.reshape(-1, *part.shape[2:]) for part in sphere(16, 12)]
+        for name, count in (("mirrored", 24), ("entered", 6)):
+            exact = twin.share(getattr(twin, name), unit(m["axis"])[:count], yarn.roughness, yarn.thickness, wo[:count],
+                               nodes)
+            assert (view[name][:count] - exact).max() < error and (view[name][:count] - exact).min() > -0.008, name
 
 
 def test_what_is_diffuse_against_float64():
@@ -118,7 +124,8 @@ def test_what_is_diffuse_against_float64():
         def shares(w, m=m, yarn=yarn):
             x, y, z = np.where(m["axis"][2] < 0, -1, 1) * m["axis"]
             azimuth = np.arctan2(np.abs(x * w[:, 1] - y * w[:, 0]), x * w[:, 0] + y * w[:, 1])
-            return mirrored_share(yarn.roughness, yarn.thickness, z, azimuth, w[:, 2], 512)
+            mirrored, straight = mirrored_share(yarn.roughness, yarn.thickness, z, azimuth, w[:, 2], 512)
+            return mirrored, entered_share(yarn.roughness, yarn.thickness, z, azimuth, w[:, 2]), straight
 
         o, i = (unit(rng.normal(size=(200, 3))) for _ in range(2))
         o[:, 2], i[:, 2] = np.abs(o[:, 2]) + 0.05, np.abs(i[:, 2]) + 0.05
@@ -147,7 +154,7 @@ def test_light_may_be_reversed():
     wo, wi = (f32(unit(rng.normal(size=(4000, 3)))) for _ in range(2))
     steep = np.minimum(np.abs(wo[:, 2]), np.abs(wi[:, 2])) > 0.05
     for m in CLOTHS:
-        m = {**m, "diffuse": np.array([1.0, 0.5, 0.1])}
+        m = {**m, "passed": np.array([1.0, 0.5, 0.1]), "diffuse": np.array([1.0, 0.5, 0.1])}
         forth, back = (call("eval", m, wo=a, wi=b)[steep] for a, b in ((wo, wi), (wi, wo)))
         assert (np.abs(forth - back) / np.maximum(np.maximum(forth, back), 1e-2)).max() < 2e-3
 
@@ -170,7 +177,8 @@ def test_samples_follow_pdf_and_weigh_eval_over_pdf():
     bins, inner, draws, tests = 16, 10, 1 << 15, []
     wi, area = sphere(bins, inner)
     for m, wo in zip(CLOTHS, (seen(0.8), seen(0.3), seen(0.9), seen(-0.6), seen(0.4), seen(0.95))):
-        m = {**m, "specular": np.array((0.2, 0.5, 0.3)), "diffuse": np.array((0.8, 0.3, 0.1))}
+        m = {**m, "specular": np.array((0.2, 0.5, 0.3)), "passed": np.array((0.9, 0.6, 0.4)),
+             "returned": np.array((0.8, 0.5, 0.2)), "diffuse": np.array((0.8, 0.3, 0.1))}
         m["normal"] = m["normal"] * np.sign(wo[2])
         pdf = call("pdf", m, wo=wo, wi=wi) * area
         drawn = call("sample(Woven, vec3, vec3, sampler2D)", m, wo=wo, u=rng.random((draws, 3), np.float32))
@@ -195,7 +203,8 @@ def test_extremes_are_finite():
     count = 20_000
     m = cloth(tilt=rng.choice([0, 0.5, -1.5, np.pi / 2], count), turn=rng.choice([0, 1, np.pi / 2], count),
               alpha=rng.choice([0, *ALPHA], count), thickness=rng.choice(THICKNESS, count),
-              specular=rng.choice([0, 0.04, 1], (count, 3)), diffuse=rng.choice([0, 0.5, 1], (count, 3)),
+              specular=rng.choice([0, 0.04, 1], (count, 3)), passed=rng.choice([0, 1], (count, 3)),
+              returned=rng.choice([0, 1], (count, 3)), diffuse=rng.choice([0, 0.5, 1], (count, 3)),
               through=rng.choice([0, 0.5, 1], count), below=rng.choice([0, 0.5, 1], (count, 3)),
               below_through=rng.choice([0, 0.5, 1], count), horizon=rng.choice([0, 1, 1e6], count),
               gap=rng.choice([-1, 0, 1, 1e3], (count, 2)))

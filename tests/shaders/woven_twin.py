@@ -23,24 +23,52 @@ def density(axis, alpha, h):
     return 1 / (np.pi * np.sqrt(np.linalg.det(s)) * np.einsum("...i,...ij,...j", h, np.linalg.inv(s), h) ** 2)
 
 
+def met_once(axis, alpha, thickness, wo, wi):
+    """K: Wang et al. 2022, eqs. 10 and 11, where light that returns finds the way open on which it came: it is shadowed
+    by the longer way alone."""
+    o, i = area(axis, alpha, wo) / np.abs(wo[..., 2]), area(axis, alpha, wi) / np.abs(wi[..., 2])
+    longer = np.maximum(o, i)
+    back = (1 - np.exp(-thickness * longer)) / longer
+    forth = (np.exp(-thickness * o) - np.exp(-thickness * i)) / (i - o)
+    return np.where(wo[..., 2] * wi[..., 2] > 0, back, forth)
+
+
+def azimuth(axis, wo, wi):
+    """Between both directions, about the axis."""
+    o, i = (w - (w * axis).sum(axis=-1, keepdims=True) * axis for w in (wo, wi))
+    return np.arctan2(np.linalg.norm(np.cross(o, i), axis=-1), (o * i).sum(axis=-1))
+
+
 def mirrored(axis, alpha, thickness, wo, wi):
-    """f |cos| of light that the layer mirrors once, for white fibres: Wang et al. 2022, eqs. 10 and 11."""
+    """f |cos| of light that the layer mirrors once, for fibres that mirror all of it at most."""
     h = wo + wi
     h = h / np.linalg.norm(h, axis=-1, keepdims=True)
-    o, i = area(axis, alpha, wo) / np.abs(wo[..., 2]), area(axis, alpha, wi) / np.abs(wi[..., 2])
-    back = (1 - np.exp(-thickness * (o + i))) / (o + i)
-    forth = (np.exp(-thickness * o) - np.exp(-thickness * i)) / (i - o)
-    return density(axis, alpha, h) / (4 * np.abs(wo[..., 2])) * np.where(wo[..., 2] * wi[..., 2] > 0, back, forth)
+    fresnel = 0.392 + 0.608 * np.sqrt(2) * np.abs(np.sin(azimuth(axis, wo, wi) / 4))
+    return fresnel * density(axis, alpha, h) / (4 * np.abs(wo[..., 2])) * met_once(axis, alpha, thickness, wo, wi)
+
+
+def entered(axis, alpha, thickness, wo, wi):
+    """f |cos| of light that leaves after it has entered one fibre, by a sum over Chebyshev's polynomials of the second
+    kind: that of white fibres which mirror nothing; straight through, and reflected inside."""
+    s, t = (wo * axis).sum(axis=-1), -(wi * axis).sum(axis=-1)
+    phi, a, b = azimuth(axis, wo, wi), np.arccos(s), np.arccos(t)
+    found = []
+    for r, power, shift, share in ((0.82, 4, np.pi, 0.932), (0.268, 16, 0.0, 0.068)):
+        kernel = sum(r**n * np.sin((n + 1) * a) * np.sin((n + 1) * b) for n in range(80))  # times sin a sin b
+        x = np.linspace(-np.pi, np.pi, 2000, endpoint=False)
+        about = np.cos((phi - shift) / 2)**(2 * power) / (np.cos(x / 2)**(2 * power)).mean() / (2 * np.pi)
+        found.append(2 / np.pi * kernel * about * share)
+    return sum(found) / np.abs(wo[..., 2]) * met_once(axis, alpha, thickness, wo, wi)
 
 
 def straight(axis, alpha, thickness, wo):
     return np.exp(-thickness * area(axis, alpha, wo) / np.abs(wo[..., 2]))
 
 
-def mirrored_share(axis, alpha, thickness, wo, sphere):
-    """m(wo), by quadrature over the sphere."""
+def share(light, axis, alpha, thickness, wo, sphere):
+    """m(wo) or n(wo), of `mirrored` or `entered`, by quadrature over the sphere."""
     wi, weight = sphere
-    return (mirrored(axis[..., None, :], alpha, thickness, wo[..., None, :], wi) * weight).sum(axis=-1)
+    return (light(axis[..., None, :], alpha, thickness, wo[..., None, :], wi) * weight).sum(axis=-1)
 
 
 def seen(normal, horizon, w):
@@ -51,17 +79,17 @@ def seen(normal, horizon, w):
 
 
 def diffuse(m, shares, wo, wi, hemisphere):
-    """f |cos|, for one channel and wo and wi on the side of the yarn's normal; `shares` is a function that gives m and
-    exp(-T Lambda), `hemisphere` nodes and weights for means."""
+    """f |cos|, for one channel and wo and wi on the side of the yarn's normal; `shares` is a function that gives m, n
+    and exp(-T Lambda), `hemisphere` nodes and weights for means."""
     nodes, weight = hemisphere
     weight = weight * nodes[:, 2] / np.pi
 
     def rest(w):
-        share, straight = shares(w)
-        return 1 - straight - m["specular"] * share
+        mirrored, entered, straight = shares(w)
+        return 1 - straight - m["specular"] * mirrored - (1 - m["specular"]) * entered
 
-    share, straight = shares(nodes)
-    least = (1 - straight).min() * (1 - m["specular"]) + (1 - straight - share).min() * m["specular"]
+    mirrored, entered, straight = shares(nodes)
+    least = (1 - straight - entered).min() * (1 - m["specular"]) + (1 - straight - mirrored).min() * m["specular"]
     mean = rest(nodes) @ weight
     own = [seen(m["normal"], m["horizon"], w) for w in (wo, wi)]
     mean_own = seen(m["normal"], m["horizon"], nodes) @ weight
@@ -72,7 +100,7 @@ def diffuse(m, shares, wo, wi, hemisphere):
     here = away / (1 - c * (1 - away))
     shape = here * own[0] * own[1] / mean_own + (1 - own[0]) * (1 - own[1]) / (1 - mean_own) - 1
     f = least * (layer_back(m, wo, wi) + layer_least(m) * shape)
-    f += (1 - m["through"]) * c * (rest(wo) - least) * (rest(wi) - least) / (mean - least)
+    f += (c - layers(m)[2]) * (rest(wo) - least) * (rest(wi) - least) / (mean - least)
     return f * wi[..., 2] / np.pi
 
 

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 import moderngl
 import numpy as np
 
-from ..bake.yarn import weave_table
+from ..bake.entered import colors_left, scattered_again
+from ..bake.yarn import MEAN, max_rise, weave_table
 from ..gpu.float_texture import float_texture
 from ..gpu.programs import set_uniform
 from ..scene.weave import MAX_SIDE, Weave
@@ -49,8 +50,13 @@ class WeaveBinding:
 
 
 def _uniforms(weave: Weave) -> Iterator[tuple[str, object]]:
-    yarns = [(*yarn.color, yarn.through, *yarn.specular, yarn.thickness, yarn.roughness, math.radians(yarn.twist),
-              math.radians(yarn.bend), yarn.width) for yarn in (weave.warp, weave.weft)]
+    yarns = []
+    for yarn in (weave.warp, weave.weft):
+        passed, returned = colors_left(yarn.color)
+        specular = (share / MEAN for share in yarn.specular)
+        yarns.append((*scattered_again(yarn.color), yarn.through, *specular, yarn.thickness, yarn.roughness,
+                      math.tan(math.radians(yarn.seen_twist)), math.radians(yarn.bend), yarn.width, *passed,
+                      max_rise(yarn), *returned, 0.0))
     yield "u_weave_size", (len(weave.draft[0]), len(weave.draft))
     yield "u_weave_density", weave.density
     yield "u_weave_flatness", weave.flatness

@@ -26,8 +26,8 @@ class Yarn:
     `color` is the albedo of a thick layer of its fibres seen along the normal, without what they mirror, linear;
     `specular` the share of light that they mirror, and `roughness` in (0, 1] the alpha of the spread of their
     directions. `thickness` is the optical thickness of the yarn, `through` the share of the light that it scatters
-    which leaves on the other side, if the fibres absorb none. `twist`, in degrees, is the angle of the fibres to the
-    yarn, `bend` the largest angle of the yarn to the cloth, and `width` the share of its cell that it fills.
+    which leaves on the other side, if the fibres absorb none. `twist`, in degrees, is the angle of the outermost fibres
+    to the yarn, `bend` the largest angle of the yarn to the cloth, and `width` the share of its cell that it fills.
     """
 
     color: RGB = (0.5, 0.5, 0.5)
@@ -38,6 +38,17 @@ class Yarn:
     twist: float = 15.0
     bend: float = 30.0
     width: float = 0.95
+
+    @property
+    def seen_twist(self) -> float:
+        """In degrees: the mean twist of the fibres that are seen along the normal.
+
+        The tangent of the twist grows evenly from the axis of the yarn to its surface, and what is seen is an optical
+        thickness of 1 deep: the mean of 1 - 2 x / T by exp(-x), up to the yarn's T, is coth(T / 2) - 2 / T.
+        """
+        half = self.thickness / 2
+        share = half / 3 if half < 0.1 else 1 / math.tanh(half) - 1 / half
+        return math.degrees(math.atan(share * math.tan(math.radians(self.twist))))
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,16 @@ vec3 depth_through(Depth d, vec3 wo, vec3 wi) {
     return mix(d.through * (depth_k(abs(wo.z)) * depth_k(abs(wi.z))), d.color, d.thin);
 }
 
+// The shares of light that leave on its side and on the other one, as seen along the normal; through it, from all
+// around
+vec3 depth_mean_back(Depth d) {
+    return (1.0 - d.thin) * max(d.color - d.back, 0.0);
+}
+
+vec3 depth_mean_through(Depth d) {
+    return mix(d.through, d.color, d.thin);
+}
+
 // The share that leaves on the side of wo and on the other one. The integral int_0^1 H(m) m / (m + mu) dm by four
 // Gauss-Legendre nodes, with the same error for white fibres, for which it is known.
 void depth_albedo(Depth d, float mu, out vec3 back, out vec3 through) {

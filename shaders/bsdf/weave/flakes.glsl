@@ -6,6 +6,8 @@
 #include "sample/hemisphere.glsl"
 #include "sample/orthonormal_basis.glsl"
 
+const float FLAKES_LEAST = 0.392; // as in viewer/bake/yarn.py
+
 struct Flakes {
     vec3 axis;   // unit
     float alpha; // in (0, 1]
@@ -31,6 +33,14 @@ float flakes_mirroring(Flakes f, vec3 wo, vec3 wi) {
     vec3 h = wo + wi;
     float l2 = dot(h, h);
     return l2 > 1e-12 ? flakes_density(f, h * inversesqrt(l2)) : 0.0;
+}
+
+// What fibres mirror between two directions with this cosine of the azimuth about them, over what they do at most:
+// about Fresnel's reflectance for an index of 1.55, least for light that returns. FLAKES_MEAN is its mean over their
+// width.
+float flakes_fresnel(float cosine) {
+    float x = clamp(0.5 + 0.5 * cosine, 0.0, 1.0);
+    return FLAKES_LEAST + (1.0 - FLAKES_LEAST) * sqrt((1.0 - x) / (1.0 + sqrt(x))); // 1 - sqrt(x)
 }
 
 // A flake that is seen from wo: the ellipsoid of which D has the normals is a ball in the space of A, where what is

@@ -1,7 +1,8 @@
 // What a woven cloth does with light from one direction, in the terms of bsdf/weave/woven.glsl: the shares that go
-// straight on, are mirrored once and are left for the diffuse light.
+// straight on, meet one fibre and are left for the diffuse light.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/weave/depth.glsl"
+#include "bsdf/weave/entered.glsl"
 #include "bsdf/weave/flakes.glsl"
 #include "bsdf/weave/mirrored.glsl"
 #include "media/one_minus_exp.glsl"
@@ -12,7 +13,9 @@ struct Woven {
     vec3 normal;      // of the yarn, unit, on the side of wo
     float alpha;      // how far their normals spread from perpendicular to it
     float thickness;  // T
-    vec3 specular;    // share of the light that is mirrored where it meets a fibre
+    vec3 specular;    // share S of the light that fibres mirror where they mirror most of it
+    vec3 passed;      // share left of light that went through a fibre
+    vec3 returned;    // share left of light that was reflected inside of one
     vec3 diffuse;     // c: albedo of what is scattered in a thick yarn seen along the normal
     float through;    // t: share of the diffuse light that leaves on the other side, for fibres that absorb nothing
     vec3 below;       // c and t of the yarn that lies below; 0 and 1 without one
@@ -35,6 +38,7 @@ struct WovenView {
     float Lambda;     // of wo
     float straight;   // share of the light that meets no fibre
     float mirrored;   // share that leaves after it is mirrored once, for a specular share of 1
+    float entered;    // share that leaves after it has entered one fibre, for a specular share of 0
     vec3 rest;        // A(wo)
     vec3 least, mean; // of A
     float seen;       // s(wo)
@@ -42,8 +46,9 @@ struct WovenView {
     vec3 here;        // e
     Depth depth;
     vec3 back, through; // shares of the diffuse light on either side
-    vec3 diffuse;     // of both
-    vec3 chance;      // of sampling what goes straight on, is mirrored, is diffuse
+    vec3 once, onwards; // of what has entered one fibre: all, and what leaves on the other side
+    vec3 diffuse;     // all of these
+    vec4 chance;      // of sampling what goes straight on, is mirrored, is diffuse, goes through fibres
 };
 
 const float WOVEN_MIN_ALPHA = 0.02;
@@ -54,7 +59,7 @@ float woven_lambda(Flakes f, vec3 w) {
 
 // K, both forms as (1 - exp(-x T)) / x
 float woven_k(float T, float lambda_o, float lambda_i, bool is_through) {
-    float x = max(is_through ? abs(lambda_o - lambda_i) : lambda_o + lambda_i, 1e-20);
+    float x = max(is_through ? abs(lambda_o - lambda_i) : max(lambda_o, lambda_i), 1e-20);
     float k = T * x < 1e-8 ? T : one_minus_exp(min(T * x, 80.0)) / x;
     return is_through ? exp(-T * min(lambda_o, lambda_i)) * k : k;
 }
@@ -77,9 +82,14 @@ float woven_met(Woven m, Flakes f, vec3 w) {
     return is_open ? 0.0 : one_minus_exp(min(m.thickness, 80.0));
 }
 
-// m(w), less than what meets fibres
-float woven_mirrored(Woven m, vec3 w, float met, sampler2D table) {
-    return woven_is_gap(m) ? 0.0 : min(mirrored_share(table, m.slice, m.axis, w), met);
+// m(w) and n(w), less than what meets fibres
+vec2 woven_once(Woven m, vec3 w, float met, sampler2D table) {
+    return woven_is_gap(m) ? vec2(0.0) : min(once_shares(table, m.slice, m.axis, w), met);
+}
+
+// A(w)
+vec3 woven_rest(Woven m, float met, vec2 once) {
+    return met - mix(vec3(once.y), vec3(once.x), m.specular);
 }
 
 // s(w). Light from the side from which the normal n leans away meets the yarn's own crown, by as much as it would come
@@ -113,8 +123,10 @@ WovenView woven_view(Woven m, WovenDeep deep, vec3 wo, sampler2D table) {
     v.Lambda = woven_lambda(v.flakes, wo);
     float met = woven_met(m, v.flakes, wo);
     v.straight = 1.0 - met;
-    v.mirrored = woven_mirrored(m, wo, met, table);
-    v.rest = met - m.specular * v.mirrored;
+    vec2 once = woven_once(m, wo, met, table);
+    v.mirrored = once.x;
+    v.entered = once.y;
+    v.rest = woven_rest(m, met, once);
     if (woven_is_gap(m)) {
         v.least = vec3(0.0);
         v.mean = vec3(one_minus_exp(min(m.thickness, 80.0)) * (1.0 - woven_open(m.gap)));
@@ -122,9 +134,9 @@ WovenView woven_view(Woven m, WovenDeep deep, vec3 wo, sampler2D table) {
         v.here = vec3(1.0);
     } else {
         // The least A is a concave function of S, hence no less than between its values for 0 and 1
-        vec4 all = mirrored_statistics(table, m.slice);
-        v.least = clamp(1.0 - all.x - m.specular * all.y, vec3(0.0), v.rest);
-        v.mean = 1.0 - all.z - m.specular * all.w;
+        vec4 all = once_statistics(table, m.slice);
+        v.least = clamp(1.0 - mix(vec3(all.y), vec3(all.x), m.specular), vec3(0.0), v.rest);
+        v.mean = 1.0 - mix(vec3(all.w), vec3(all.z), m.specular);
         float sine = length(m.normal.xy), cosine = max(abs(m.normal.z), 1e-3);
         float secant = sqrt(1.0 + m.horizon * m.horizon);
         v.seen = woven_seen(m, wo);
@@ -133,12 +145,19 @@ WovenView woven_view(Woven m, WovenDeep deep, vec3 wo, sampler2D table) {
         v.here = away / max(1.0 - m.diffuse * (1.0 - away), 1e-6);
     }
     v.depth = deep.depth;
-    vec3 above = max(v.rest - v.least, 0.0) * m.diffuse;
-    v.back = v.least * (deep.back + v.depth.least * v.seen * (v.here - 1.0)) + (1.0 - m.through) * above;
-    v.through = v.least * deep.through + m.through * above;
-    v.diffuse = v.back + v.through;
-    v.chance = vec3(v.straight, luminance(m.specular) * v.mirrored, luminance(v.diffuse));
-    v.chance /= max(v.chance.x + v.chance.y + v.chance.z, 1e-20);
+    vec3 above = max(v.rest - v.least, 0.0);
+    // Of what has entered one fibre about this much leaves on the other side: what was let through by it alone
+    vec3 entered = (1.0 - m.specular) * (m.passed * ENTERED_SHARE.x + m.returned * ENTERED_SHARE.y);
+    float onwards = min(m.thickness * v.Lambda * v.straight, v.entered);
+    v.back = v.least * (deep.back + v.depth.least * v.seen * (v.here - 1.0)) + depth_mean_back(v.depth) * above;
+    v.through = v.least * deep.through + depth_mean_through(v.depth) * above;
+    v.once = entered * v.entered;
+    v.onwards = entered * onwards;
+    v.diffuse = v.back + v.through + v.once;
+    float through_fibres = 0.75 * luminance(entered) * v.entered; // the rest as if it were diffuse
+    v.chance = vec4(v.straight, luminance(m.specular) * v.mirrored,
+                    max(luminance(v.diffuse) - through_fibres, 0.0), through_fibres);
+    v.chance /= max(dot(v.chance, vec4(1.0)), 1e-20);
     return v;
 }
 

@@ -43,7 +43,8 @@ def check_woven_extremes() -> Iterator[Check]:
     m = m | {"axis": np.stack([np.cos(tilt), 0 * tilt, np.sin(tilt)], axis=-1),
              "normal": np.stack([-np.sin(tilt), 0 * tilt, np.cos(tilt)], axis=-1),
              **{name: rng.choice(ends, (count, 3)) for name, ends in (
-                 ("specular", (0, 0.5)), ("diffuse", (0, 0.5, 1)), ("below", (0, 0.5, 1)))},
+                 ("specular", (0, 0.5)), ("passed", (0, 1)), ("returned", (0, 1)), ("diffuse", (0, 0.5, 1)),
+                 ("below", (0, 0.5, 1)))},
              **{name: rng.choice(ends, count) for name, ends in (
                  ("alpha", (0, 0.02, 1)), ("thickness", (0, 1e-6, 8, 1e4)), ("through", (0, 0.5, 1)),
                  ("below_through", (0, 0.5, 1)), ("horizon", (0, 1, 1e6)))},
@@ -70,7 +71,8 @@ def _places() -> list[tuple[str, dict[str, Any], np.ndarray]]:
         steps = abs(np.sin(rise)) / max_rise(yarn) * (SLICES - 1)
         found.append((case, {
             "axis": np.array([np.cos(rise), 0, np.sin(rise)]), "normal": normal / np.linalg.norm(normal),
-            "alpha": yarn.roughness, "thickness": yarn.thickness, "specular": 0.5, "diffuse": 1.0, "through": 0.3,
+            "alpha": yarn.roughness, "thickness": yarn.thickness, "specular": 0.5,
+            "passed": 1.0, "returned": 1.0, "diffuse": 1.0, "through": 0.3,
             "below": np.ones(3), "below_through": 0.4, "slice": (0 if yarn is warp else SLICES) + steps,
             "horizon": horizon, "gap": np.array(gap, float)}, table))
     return found
@@ -83,7 +85,8 @@ def _check_place(case: str, white: dict[str, Any], table: np.ndarray) -> Iterato
     yield Check("reflects at most all", case, float(total.max() - 1), GAIN_BOUND)
     yield Check("white furnace", case, float(1 - total.min()), LOSS_BOUND)
 
-    colored = white | {"specular": np.array([0.1, 0.3, 0.5]), "diffuse": np.array([0.8, 0.4, 0.1])}
+    colored = white | {"specular": np.array([0.1, 0.3, 0.5]), "passed": np.array([0.9, 0.8, 0.6]),
+                       "returned": np.array([0.8, 0.6, 0.4]), "diffuse": np.array([0.8, 0.4, 0.1])}
     light = _over_bins("eval", colored, table, wo).sum(axis=1)
     albedo = _call("albedo", colored, table, wo=wo)
     yield Check("albedo", case, float(np.abs(albedo - light).max()), LOSS_BOUND)
