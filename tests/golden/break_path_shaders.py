@@ -116,8 +116,8 @@ MUTATIONS = [
     Mutation("warp and weft exchanged in paths", "bsdf/weave/weave.glsl", "& 1) == 1) == is_front;",
              "& 1) == 1) != is_front;"),
     Mutation("density of what woven fibres mirror twice what it is", "bsdf/weave/woven.glsl",
-             "mirrored * vec4(m.specular * weight, v.chance.y);",
-             "mirrored * vec4(m.specular * weight, 2.0 * v.chance.y);"),
+             "(flakes_fresnel(azimuth) * weight), v.chance.y);",
+             "(flakes_fresnel(azimuth) * weight), 2.0 * v.chance.y);"),
 ]
 
 
