@@ -6,7 +6,7 @@
 uniform sampler3D u_fibre_table; // x: the angle about the fibre, y: cos theta_o, z: absorption; R, TT, TRT, the rest
 const float HALF_ABSORPTION = 0.5;
 
-// Widths in pixels between which the near lobes replace the far ones
+// Widths in pixels between which the near lobes replace the far ones. NEAR is off where no fibre is so wide.
 const vec2 NEAR_PIXELS = vec2(1.5, 3.0);
 
 // A fibre seen along wo = (sin theta_o, 0, cos theta_o)
@@ -38,7 +38,9 @@ vec3 fibre_response(SeenFibre s, vec3 wi) {
     vec4 along;
     for (int p = 0; p < 4; ++p) along[p] = longitudinal(theta, s.lobes.mean[p], s.lobes.variance[p]);
     vec3 response = vec3(0.0);
+#if NEAR
     if (s.nearness > 0.0) response = s.nearness * (s.lobes.attenuation * fibre_densities(s.lobes, s.wo, wi));
+#endif
     if (s.nearness < 1.0) response += (1.0 - s.nearness) * (along * far_lobes(s, atan(abs(wi.y), wi.z)));
     return response;
 }
@@ -100,17 +102,21 @@ vec3 response_through_fibres(SeenFibre s, vec3 wi, float crossed) {
 #endif
 
 #if HAS_ENVIRONMENT
-// The level of the environment that stands for the light of one of several directions about the fibre, `step` apart: as
-// wide as M of the lobes that count there and as `step`. A level holds the environment under the highlight of GGX,
-// whose tails are long: light that is far from a narrow lobe must not reach it. So the level is that of which half the
-// light comes from as near as it does for a normal distribution of the variance s^2: from within s sqrt(2 ln 2) of the
+// The level of the environment that stands for a lobe of the variance s^2. A level holds the environment under the
+// highlight of GGX, whose tails are long: light that is far from a narrow lobe must not reach it. So the level is that
+// of which half the light comes from as near as it does for a normal distribution: from within s sqrt(2 ln 2) of the
 // middle, and of GGX from within 2 alpha, since the reflected direction turns by twice the angle of the half vector.
+float lod_of_variance(float variance) {
+    const float HALF_LN_2 = 0.34657359;
+    return lod_of_roughness(min(sqrt(sqrt(HALF_LN_2 * variance)), 1.0));
+}
+
+// For light of one of several directions about the fibre, `step` apart: as wide as M of the lobes that count there and
+// as `step`
 float environment_lod(SeenFibre s, mat3x4 lobes, float step) {
     vec4 share = lobes[0] + lobes[1] + lobes[2];
     float along = dot(share, s.lobes.variance) / max(dot(share, vec4(1.0)), 1e-20);
-    float variance = 0.5 * (along + step * step / 12.0 * s.wo.z * s.wo.z);
-    const float HALF_LN_2 = 0.34657359;
-    return lod_of_roughness(min(sqrt(sqrt(HALF_LN_2 * variance)), 1.0));
+    return lod_of_variance(0.5 * (along + step * step / 12.0 * s.wo.z * s.wo.z));
 }
 #endif
 
@@ -153,6 +159,25 @@ vec4 gathered_by_lobes(SeenFibre s, vec4 inclined) {
     return gathered;
 }
 
+#if NEAR
+// Near, each lobe gathers light from about its middle; what is reflected inside more often, as TRT
+vec3 light_about_offset(SeenFibre s, LightAround a, vec4 gathered, mat3 frame) {
+    mat4x3 A = s.lobes.attenuation;
+    A[2] += A[3];
+    float lod = 0.0, about = PI * PI / 3.0 * s.lobes.scale * s.lobes.scale * s.wo.z * s.wo.z; // of the logistic N
+    vec3 radiance = vec3(0.0);
+    for (int p = 0; p < 3; ++p) {
+        vec2 across = complex_product(vec2(0.0, 1.0), s.lobes.turn[p]);
+        vec3 d = frame * vec3(s.lobes.mean[p].y, s.lobes.mean[p].x * across);
+#if HAS_ENVIRONMENT
+        lod = lod_of_variance(min(s.lobes.variance[p], about)); // no light from beside a narrow lobe
+#endif
+        radiance += arriving_from(a, d, lod, A[p], gathered[p] * A[p]);
+    }
+    return radiance;
+}
+#endif
+
 vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
     LightAround a = LightAround(vec3(0.0), vec3(0.0), vec4(0.0));
     vec4 gathered = vec4(1.0);
@@ -178,6 +203,9 @@ vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
         if (k == 0 || 2 * k == STEPS_ABOUT) continue;
         radiance += arriving_from(a, frame * vec3(d.x, -d.y, d.z), lod, share, inclined);
     }
+#if NEAR
+    radiance = mix(radiance, light_about_offset(s, a, gathered, frame), s.nearness);
+#endif
     return radiance;
 }
 #endif

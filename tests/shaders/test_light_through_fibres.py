@@ -10,7 +10,7 @@ from fibre_twin import longitudinal, variances
 
 from viewer.bake.fibre import ABSORPTIONS, COSINES, HALF_ABSORPTION, fibre_table
 
-DEFINES = {"HAIR_LIGHT": 1, "LIGHT_COUNT": 1, "HAS_ENVIRONMENT": 0}
+DEFINES = {"HAIR_LIGHT": 1, "LIGHT_COUNT": 1, "HAS_ENVIRONMENT": 0, "NEAR": 1}
 BETA_M, BETA_N, TILT, IOR = 0.25, 0.35, 0.04, 1.55
 J, K = 12, (2, 5, 9)  # texels of the table
 X = np.array(K) / (ABSORPTIONS - 1)

@@ -61,7 +61,7 @@ def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> 
     scatters_again = settings.mode == "pbr" and settings.hair_scattering == "multiple"
     if settings.mode == "pbr":
         fragment = "raster/yarn.frag" if drawn["YARN"] else "raster/curve.frag"
-        lit |= {"REFLECTS": 1, "HAIR_LIGHT": int(scatters_again)}
+        lit |= {"REFLECTS": 1, "HAIR_LIGHT": int(scatters_again), "NEAR": drawn["YARN"]}
     else:
         fragment, shown = "raster/curve_phong.frag", bsdf_switches(settings)
         lit |= {name: shown[name] for name in ("SHOW_DIFFUSE", "SHOW_SPECULAR")}

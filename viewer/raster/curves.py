@@ -35,6 +35,8 @@ UNIT_NEXT = 3
 THIN, THICK = 3, 7
 """Pairs of vertices across a strip. The tube about a curve of up to THIN_PIXELS needs no more than its middle."""
 THIN_PIXELS = 4.0
+NEAR_PIXELS = 1.5
+"""As in shaders/raster/curve_light.glsl: where no curve is wider, none shows what is across it."""
 ROUND = 2
 ALL, BESIDE = (0,), (1, ROUND)
 """Values of the switch ROUND (shaders/raster/curve_blunt.glsl): strips alone; strips, and the blunt segments beside
@@ -245,7 +247,10 @@ class CurvePass:
 
     def _draw_one(self, buffers: CurveBuffers | YarnBuffers, wanted: Program, part: int, frame: Frame, samples: int,
                   uniforms: dict[str, object]) -> None:
-        program = self._programs.get(VERTEX, wanted.fragment, dict(wanted.switches) | {"ROUND": part})
+        switches, widest = dict(wanted.switches) | {"ROUND": part}, 2 * buffers.radius * _pixels_per_unit(frame)
+        if widest >= NEAR_PIXELS and "NEAR" in switches:
+            switches["NEAR"] = 1
+        program = self._programs.get(VERTEX, wanted.fragment, switches)
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         bind_blocks(program)
@@ -255,8 +260,7 @@ class CurvePass:
         if isinstance(buffers, YarnBuffers):
             buffers.draw(program, buffers.levels(frame.view_projection @ to_eye, frame.size))
             return
-        is_thin = 2 * buffers.radius * _pixels_per_unit(frame) < THIN_PIXELS
-        buffers.draw(program, THIN if is_thin else THICK)
+        buffers.draw(program, THIN if widest < THIN_PIXELS else THICK)
 
     def _parts(self, buffers: CurveBuffers | YarnBuffers, frame: Frame) -> tuple[int, ...]:
         """The values of ROUND that are drawn: two where segments may be wide, and blunt or near."""
