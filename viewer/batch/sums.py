@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
-from ..trace.paths.part import Part
+if TYPE_CHECKING:
+    from ..trace.paths.part import Part
 
 MOST_PARTS = 32
 LEAST_SAMPLES = 16
