@@ -2,6 +2,21 @@
 // the split sum: albedos times light. The light of each part of the lobe, a and b, is the weighted sum of a few lookups
 // (viewer/bake/lookups.py).
 
+#if HAS_ENVIRONMENT
+#include "raster/environment.glsl"
+#endif
+#if VISIBILITY
+#include "raster/visibility.glsl"
+#endif
+#if TRACED_REFLECTION
+#include "raster/traced_reflection.glsl"
+#endif
+#if TRACED_REFRACTION
+#include "raster/traced_refraction.glsl"
+#endif
+#if MEDIA
+#include "raster/lit_media.glsl"
+#endif
 #include "raster/specular_occlusion.glsl"
 #if INDIRECT
 #include "raster/indirect.glsl"

@@ -1,4 +1,14 @@
 // Radiance that a surface of pbr.frag reflects from one punctual light or sun, including its shadow.
+#include "light/punctual.glsl"
+#if SUNS
+#include "light/sun.glsl"
+#endif
+#if SHADOW_LAYERS > 0
+#include "light/shadow.glsl"
+#endif
+#if MEDIA
+#include "raster/lit_media.glsl"
+#endif
 
 // The fraction of light i, in the direction l, that arrives at a point; n is the geometric normal on the light's side.
 float light_visibility(int i, vec3 position, vec3 n, vec3 l) {

@@ -3,12 +3,15 @@
 // it into the base of the surface, beside what that reflects itself; 2 leaves the latter out, for a pass that spreads
 // the light over the surface; 3 reads what that pass has found.
 #include "raster/interior.glsl"
+#if SUBSURFACE == 3
+#include "raster/joint_bilateral.glsl"
+#endif
 
 uniform vec3 u_interior_attenuation;   // k, per eye-relative unit
 uniform vec3 u_interior_extrapolation; // h, in eye-relative units
 uniform vec3 u_interior_albedo;        // of single scattering, without what is scattered straight on
 uniform float u_interior_reflected;    // F, the share of the light inside that the boundary reflects back
-uniform float u_interior_kept;         // what a rough boundary does not lose, on the way in and while light stays inside
+uniform float u_interior_kept;         // what a rough boundary does not lose, on the way in and inside
 in vec2 v_interior; // thickness d in eye-relative units, and roundness: 0 a slab, 1 a ball
 
 // The way straight through the solid: d in a slab, and the diameter 3 d of a ball

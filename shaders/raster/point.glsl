@@ -1,0 +1,49 @@
+// The point of a surface that pbr.frag shades, and what light from behind meets on its way to it.
+#include "raster/material.glsl"
+#include "raster/normal.glsl"
+#include "raster/sees_lamps_through.glsl"
+#if IS_ORTHOGRAPHIC
+uniform vec3 u_view_direction; // towards the eye
+#endif
+
+// The normals of the surface, and the direction v to the eye
+struct Point {
+    vec3 n, n_geometric, v;
+    float NoV;
+#if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
+    float behind;  // distance to the other side, 0 if thin-walled
+#endif
+#if DIFFUSE_TRANSMISSION
+    vec3 returned; // share of the light that the diffuse transmission brings from this side, 0 if thin-walled
+#endif
+#if SEES_LAMPS_THROUGH
+    vec3 clear;        // share of the light from behind that passes without being scattered inside
+    float clear_alpha; // roughness of both boundaries together, as that of a reflected lobe
+    vec3 bent;         // what lies straight behind, less what is seen there
+#endif
+#if ANISOTROPIC
+    mat3 frame; // tangent, bitangent, n
+#endif
+#if GROOVED
+    float unhidden; // what the lobe would reflect without masking, as a multiple of what it does
+#endif
+};
+
+// The point with its normals, the direction to the eye and the frame; the callers fill in the rest.
+Point shaded_point(MaterialInputs m) {
+    Point p;
+    p.n_geometric = geometric_normal();
+    p.n = shading_normal(p.n_geometric);
+    p.v = -normalize(v_position);
+#if IS_ORTHOGRAPHIC
+    p.v = u_view_direction;
+#endif
+#if SUBSURFACE == 2
+    p.v = p.n;
+#endif
+    p.NoV = clamp(dot(p.n, p.v), 1e-4, 1.0);
+#if ANISOTROPIC
+    p.frame = anisotropy_frame(m, p.n);
+#endif
+    return p;
+}

@@ -1,0 +1,29 @@
+// The surface of a point as the eye sees it: the albedos of its layers towards the eye, which all lights share.
+#include "raster/lobe_width.glsl"
+
+// Also widens and stretches the lobe of the surface. `perceptual_roughness` is that of the material.
+SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Point p) {
+    widen_lobe(s, p.n);
+#if SPECULAR_AA || ANISOTROPIC || NORMAL_MAP
+    perceptual_roughness = table_roughness(s);
+#endif
+    vec4 dfg = vec4(0.0); // (a, b) of the split sum, and their means over all directions
+#if REFLECTS && ANISOTROPIC
+    vec2 seen = facet_albedo(s, p.v * p.frame, perceptual_roughness, u_dfg);
+    dfg = vec4(seen, facet_mean(s, perceptual_roughness, u_dfg));
+#elif REFLECTS
+    dfg = dfg_albedo_and_mean(u_dfg, p.NoV, perceptual_roughness);
+#endif
+    SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, dfg.xy, dfg.zw);
+#if SHEEN
+    view.sheen = sheen_of(s, view, u_dfg);
+#endif
+#if GROOVED
+    stretch_over_grooves(s, view, p, dfg.xy);
+#endif
+#if CLEARCOAT
+    vec3 n_coat = coat_normal(p.n_geometric);
+    view.coat = make_coat(s.coat, coat_alpha(s, n_coat), n_coat, clamp(dot(n_coat, p.v), 1e-4, 1.0), u_dfg);
+#endif
+    return view;
+}
