@@ -74,7 +74,8 @@ float table_roughness(Surface s) {
     return is_mirror(s) ? 0.0 : sqrt(mean_alpha(s));
 }
 
-// (a, b) of the split sum for a direction above the surface. Only a stretched lobe looks at x and y, in the local frame.
+// (a, b) of the split sum for a direction above the surface. Only a stretched lobe looks at x and y, in the local
+// frame.
 vec2 facet_albedo(Surface s, vec3 w, float perceptual_roughness, sampler2D dfg) {
 #if ANISOTROPIC
     return stretched_albedo(dfg, both_alphas(s), w);

@@ -1,9 +1,9 @@
-// A lobe over all the normals that a texel of a mip level is the mean m of, as normal_spread.glsl has it, but stretched as
-// the square root of their covariance C says, of which there is another texel (viewer/scene/normal_spread.py). The
+// A lobe over all the normals that a texel of a mip level is the mean m of, as normal_spread.glsl has it, but stretched
+// as the square root of their covariance C says, of which there is another texel (viewer/scene/normal_spread.py). The
 // columns of `map` are the map's axes. J takes x and y of unit normals to slopes about the mean normal, along the first
-// two axes of the lobe's frame; alpha^2 is a matrix there, which gains (1.17)^2 J C J^T: so that the median slope of GGX,
-// alpha / sqrt(3), is that of a Gaussian, 0.674 sigma. 2 J C J^T has tails that reach lamps which no texel shows. The
-// eigenvectors of the sum are the new axes.
+// two axes of the lobe's frame; alpha^2 is a matrix there, which gains (1.17)^2 J C J^T: so that the median slope of
+// GGX, alpha / sqrt(3), is that of a Gaussian, 0.674 sigma. 2 J C J^T has tails that reach lamps which no texel shows.
+// The eigenvectors of the sum are the new axes.
 void stretch_lobe(inout vec2 alpha, inout mat3 frame, vec3 texel, vec3 root, float scale, mat3 map) {
     vec3 m = texel * (255.0 / 127.5) - 1.0;
     vec2 slope = m.xy / max(m.z, 1e-2);

@@ -27,7 +27,8 @@ vec3 point_in(sampler2D points, mat4 to_eye, int k) {
 }
 #endif
 
-// Where p is at the next time: as far along its segment, and as far off its axis. The points of yarns are taken to stand.
+// Where p is at the next time: as far along its segment, and as far off its axis. The points of yarns are taken to
+// stand.
 vec3 next_position(vec3 p) {
     vec3 next = (u_to_next * vec4(p, 1.0)).xyz;
 #if !YARN

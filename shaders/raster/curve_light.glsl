@@ -50,8 +50,9 @@ const int STEPS_ABOUT = 8; // directions about the fibre
 #if HAIR_LIGHT
 // Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter; the Legendre
 // moments 1 to 4 of its inclination to the fibres, over its mean; v, where more of it comes from across them, 1 + v . d
-// times; and how much they hide in the direction d, a + b . d with a in the first channel. Fibres hide another share in each channel: u_hair_exponents are the extinctions over
-// that of u_hair_hidden. Of what they take away, the share u_hair_kept does not go on almost straight through them.
+// times; and how much they hide in the direction d, a + b . d with a in the first channel. Fibres hide another share in
+// each channel: u_hair_exponents are the extinctions over that of u_hair_hidden. Of what they take away, the share
+// u_hair_kept does not go on almost straight through them.
 uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_across, u_hair_hidden;
 uniform vec3 u_hair_exponents, u_hair_kept;
 uniform vec3 u_hair_low, u_hair_scale; // the grid's corner in eye-relative units, and 1 / its sides
@@ -143,7 +144,8 @@ vec3 arriving_from(LightAround a, vec3 d, float lod, vec3 share, vec3 inclined) 
 #if HAS_ENVIRONMENT
     radiance += share * environment_level(d, lod) * (1.0 - opacity);
 #endif
-    return radiance + inclined * max(1.0 + dot(a.across, d), 0.0) * a.scattered * opacity / max(hair_opacity(a.hidden.x), vec3(1e-4));
+    return radiance + inclined * max(1.0 + dot(a.across, d), 0.0) * a.scattered * opacity
+        / max(hair_opacity(a.hidden.x), vec3(1e-4));
 }
 
 // How much of the light from fibres each lobe gathers, over its mean. The lobe widens what it gathers from: a Legendre

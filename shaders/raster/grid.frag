@@ -10,7 +10,8 @@ out vec4 o_color; // associated alpha
 void main() {
     vec2 pixel = max(fwidth(v_lines), 1e-6);
     vec2 line = round(v_lines);
-    vec2 covered = clamp(0.5 * u_width + 0.5 - abs(v_lines - line) / pixel, 0.0, 1.0) * clamp(0.5 / pixel - 1.0, 0.0, 1.0);
+    vec2 covered = clamp(0.5 * u_width + 0.5 - abs(v_lines - line) / pixel, 0.0, 1.0);
+    covered *= clamp(0.5 / pixel - 1.0, 0.0, 1.0);
     float seen = 1.0 - smoothstep(0.3, 1.0, length(v_away));
     // Lines along z have a whole x. The z axis is that of x = 0.
     bool is_x = covered.y > 0.0 && line.y == u_zero.y, is_z = covered.x > 0.0 && line.x == u_zero.x;

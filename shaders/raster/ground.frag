@@ -65,7 +65,8 @@ void main() {
         vec2 c = vec2(dot(light.u, q), dot(light.v, q));
         bool is_outside = min(c.x, c.y) < 0.0 || max(c.x, c.y) > 1.0;
         all += light.luminance.x;
-        arrives += light.luminance.x * (is_outside ? 1.0 : textureLod(u_atlas, vec3(light.tile.xy + c * light.tile.zw, 1.0), 0.0));
+        vec3 texel = vec3(light.tile.xy + c * light.tile.zw, 1.0);
+        arrives += light.luminance.x * (is_outside ? 1.0 : textureLod(u_atlas, texel, 0.0));
     }
 #endif
     bool is_seen = d.y < 0.0 && way > 0.0 && all > 0.0;

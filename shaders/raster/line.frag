@@ -1,5 +1,6 @@
 // The lines of line.vert. A pixel is covered as far as a line of this width covers it, were it at a right angle to the
-// pixel's sides. Short lines are fainter: where triangles are no larger than pixels, lines would hide all of the picture.
+// pixel's sides. Short lines are fainter: where triangles are no larger than pixels, lines would hide all of the
+// picture.
 uniform vec4 u_color;        // radiance, opacity
 uniform float u_width;
 uniform float u_full_length; // in pixels: shorter lines are fainter

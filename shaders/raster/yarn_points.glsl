@@ -1,10 +1,11 @@
 // Points of what a yarn is shown as: its tube, its plies, or their fibres (Zhao and others 2016; Wu and Yuksel 2017).
 // viewer/scene/yarn/fibres.py has the same, and says what the numbers are.
-uniform sampler2D u_axis;   // four texels a point: place, radius, negative at a yarn's end; normal, angle of the first ply;
-                            // binormal, angle of fibres about their ply; how far fibres have migrated, number of the
-                            // yarn
+uniform sampler2D u_axis;   // four texels a point: place, radius, negative at a yarn's end; normal, angle of the first
+                            // ply; binormal, angle of fibres about their ply; how far fibres have migrated, number of
+                            // the yarn
 uniform sampler2D u_fibres; // one texel for each fibre of each yarn
-uniform ivec4 u_shown;      // the first point; the strands of a yarn; 0 for tubes, 1 for plies, 2 for fibres; fibres a ply
+uniform ivec4 u_shown;      // the first point; the strands of a yarn; 0 for tubes, 1 for plies, 2 for fibres; fibres a
+                            // ply
 uniform vec4 u_plies;       // how many; their distance from the axis, radius and half width, in radii of the yarn
 uniform vec2 u_spun;        // radius of a fibre, lowest share of R
 

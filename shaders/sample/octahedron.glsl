@@ -13,8 +13,8 @@ vec3 from_octahedron(vec2 p) {
     return normalize(vec3(z < 0.0 ? fold_octahedron(p) : p, z));
 }
 
-// A point of the square in one number: 11 bits for each coordinate make a whole number, which a float holds exactly. All
-// are PACKED or more.
+// A point of the square in one number: 11 bits for each coordinate make a whole number, which a float holds exactly.
+// All are PACKED or more.
 const float PACKED = 2.0, PACKED_LAST = 2047.0;
 
 float pack_octahedron(vec2 p) {

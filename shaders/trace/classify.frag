@@ -1,7 +1,7 @@
 // Writes the class of each path as a depth value. The later passes then shade only the paths of their class, by a depth
 // test for equality. `discard` would give the same pictures, but software OpenGL runs a discarded fragment to its end.
-// FIRST_HITS: write, in the home of each path, only the class of paths whose camera ray hit a surface or a curve, or met
-// neither and collides in a medium; all others count as idle.
+// FIRST_HITS: write, in the home of each path, only the class of paths whose camera ray hit a surface or a curve, or
+// met neither and collides in a medium; all others count as idle.
 #include "trace/path_class.glsl"
 #include "trace/state.glsl"
 #if HAS_SCATTERING

@@ -12,7 +12,8 @@ vec3 sample_emitter(int k, vec3 p, vec2 u, out vec3 l, out float distance, out f
     uvec4 record = scene_uint4(u_emitters + k);
     Hit hit = Hit(int(record.x), int(record.y), barycentric);
     Triangle tri = find_triangle(hit);
-    vec3 p0 = scene_float4(tri.corners.x).xyz, p1 = scene_float4(tri.corners.y).xyz, p2 = scene_float4(tri.corners.z).xyz;
+    vec3 p0 = scene_float4(tri.corners.x).xyz, p1 = scene_float4(tri.corners.y).xyz;
+    vec3 p2 = scene_float4(tri.corners.z).xyz;
     mat3 to_tracer = transpose(mat3(tri.row0.xyz, tri.row1.xyz, tri.row2.xyz));
     vec3 to_light = to_tracer * (tri.weights.x * p0 + tri.weights.y * p1 + tri.weights.z * p2)
                   + vec3(tri.row0.w, tri.row1.w, tri.row2.w) - p;

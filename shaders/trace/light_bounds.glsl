@@ -22,7 +22,7 @@ struct LightBounds {
 struct Receiver {
     vec3 position;
     vec3 normal; // of a surface that light from behind does not reach; 0: light from all around counts
-    float way;   // 0: a point. Else a ray of this length through a medium, in the direction `normal`, lit by lamps alone
+    float way;   // 0: a point. Else a ray of this length through a medium, in the direction `normal`, lit by lamps only
 };
 
 // The lights of a group are nearer to its centre than its edge is: light is weighed as if from a sphere of this part of

@@ -109,7 +109,8 @@ void main() {
                            medium_at(p, i, m, light_side), p.throughput * f);
         }
     }
-    if (is_delta) { // the flux of a delta lobe; b.weight is that of radiance, and what it reflects has both cosines alike
+    if (is_delta) {
+        // The flux of a delta lobe; b.weight is that of radiance, and what it reflects has both cosines alike.
         weight *= b.eta * b.eta * abs(dot(next, i.n_geometric) / dot(wi, i.n_geometric));
         if ((b.flags & TRANSMISSION) != 0u) weight *= abs(local_wi.z / b.wi.z);
     }

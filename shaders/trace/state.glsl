@@ -6,8 +6,10 @@
 #include "trace/facing.glsl"
 #endif
 
-uniform sampler2D u_origin;        // xyz, status: IDLE, IN_FLIGHT or ENDED; of IN_FLIGHT plus the facing (trace/facing.glsl)
-uniform sampler2D u_direction;     // unit vector; pdf of the BSDF sample by solid angle, 0: no MIS weight for light it hits
+uniform sampler2D u_origin;        // xyz, status: IDLE, IN_FLIGHT or ENDED; IN_FLIGHT plus the facing
+                                   // (trace/facing.glsl)
+uniform sampler2D u_direction;     // unit vector; pdf of the BSDF sample by solid angle, 0: no MIS weight for light
+                                   // that it hits
 uniform sampler2D u_shadow_origin; // of the pending shadow ray, or x: travelled if there is none; contribution.r
 uniform sampler2D u_shadow_vector; // to the light, 0: there is no shadow ray; contribution.g
 uniform sampler2D u_throughput;    // rgb; contribution.b
@@ -135,8 +137,8 @@ Path read_path(ivec2 texel, uvec4 hit) {
     else if (medium.y < 0.0) p.travelled = -medium.y;
 #endif
     p.eta2 = abs(p.eta2);
-    // Without a surface ahead the path is outside of all solids. Rounding can take a collision beyond a solid's surface,
-    // and a path from there would collide without end.
+    // Without a surface ahead the path is outside of all solids. Rounding can take a collision beyond a solid's
+    // surface, and a path from there would collide without end.
     if (p.reach < 0.0) p.medium = 0;
     p.shadow_medium = p.medium;
 #elif HAS_PANES

@@ -7,7 +7,7 @@
 #include "media/tracking.glsl"
 
 layout(location = 0) out vec4 o_along;  // u_along, with volumes on the way of the shadow ray
-layout(location = 1) out vec4 o_flight; // distance to the collision before the hit, NO_COLLISION if there is none; volume
+layout(location = 1) out vec4 o_flight; // distance to the collision before the hit, else NO_COLLISION; volume
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);

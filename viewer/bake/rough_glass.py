@@ -49,9 +49,8 @@ def rough_glass_factors(masking: str) -> NDArray[np.float32]:
     """log s, (64, 64, 4) float32: a tile of 16 x 16 for each of 16 f0, four in a row. In a tile the row is the cosine,
     the column the roughness. The first channel is for light outside of the glass, the second for light inside; the
     others are those of the next f0."""
-    if masking == "smith":
+    if masking != "smith-separable":  # glass has Smith's masking where a setting asks for another one
         return _shipped()
-    masking = masking if masking == "smith-separable" else "smith"  # what glass has
     cache_key = key("rough glass", masking)
     cached = load(cache_key)
     if cached is None:

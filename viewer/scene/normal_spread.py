@@ -18,7 +18,8 @@ import numpy as np
 from .mip_levels import means_of_four
 
 _BAND = 1 << 17  # texels per step, so that intermediate arrays stay in the processor's cache
-_GROOVED_LEVEL, _FEW_TEXELS = 3, 16
+_GROOVED_LEVEL = 3  # of the levels, that which tells whether a map is full of grooves
+_FEW_TEXELS = 16  # a level with fewer tells nothing
 
 
 def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:

@@ -24,7 +24,8 @@ float normalized_blinn_factor(float s) {
 }
 
 vec3 blinn_half(float shininess, vec2 u) {
-    float sin2 = one_minus_exp_fast(-2.0 * log(1.0 - u.x) / (shininess + 1.0)); // 1 - cos^2, cos = (1 - u)^(1 / (s + 1))
+    // 1 - cos^2, cos = (1 - u)^(1 / (s + 1))
+    float sin2 = one_minus_exp_fast(-2.0 * log(1.0 - u.x) / (shininess + 1.0));
     float phi = 2.0 * PI * u.y;
     return vec3(sqrt(sin2) * vec2(cos(phi), sin(phi)), sqrt(1.0 - sin2));
 }

@@ -136,7 +136,8 @@ vec3 fibre_sample(Fibre f, float h, vec3 wo, vec4 u, out vec3 wi, out float pdf)
     for (float rest = u.x - chance[0]; rest >= 0.0 && p < 3; rest -= chance[p]) ++p;
     vec2 theta = longitudinal_sample(lobes.mean[p], lobes.variance[p], u.yz);
     float around = 2.0 * PI * u.w;
-    vec2 phi = p < 3 ? complex_product(lobes.turn[p], azimuthal_sample(lobes.scale, u.w)) : vec2(cos(around), sin(around));
+    vec2 phi = p < 3 ? complex_product(lobes.turn[p], azimuthal_sample(lobes.scale, u.w))
+        : vec2(cos(around), sin(around));
     wi = normalize(vec3(theta.y, theta.x * complex_product(fibre_azimuth(wo), phi)));
     vec4 density = fibre_densities(lobes, wo, wi);
     pdf = dot(chance, density);

@@ -77,7 +77,8 @@ float dielectric_pdf(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     float VoH = dot(wo, h), LoH = dot(wi, h);
     if (VoH <= 0.0 || LoH >= 0.0) return 0.0;
     float jacobian = LoH + VoH / m.eta;
-    return (1.0 - mean_of(dielectric_reflectance(m, VoH))) * pdf_visible_normal(wo, h, a) * -LoH / (jacobian * jacobian);
+    float transmitted = 1.0 - mean_of(dielectric_reflectance(m, VoH));
+    return transmitted * pdf_visible_normal(wo, h, a) * -LoH / (jacobian * jacobian);
 }
 
 // F of the sampled facet, or below a film its mean over the channels, is the probability of reflection. weight = G2 /

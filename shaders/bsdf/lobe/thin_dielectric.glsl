@@ -65,7 +65,8 @@ BsdfSample thin_dielectric_sample(ThinDielectric m, vec3 wo, vec3 u, sampler2D d
     vec3 wi = is_reflected ? up : vec3(up.xy, -up.z);
     if (is_smooth) return BsdfSample(wi, over_mean(scattered, share), share, side | DELTA, 1.0);
     float weight = masked_reflection_weight(wo, up, a, bound);
-    return BsdfSample(wi, weight * over_mean(scattered, share), share * pdf_visible_reflection(wo, h, a, bound), side, 1.0);
+    float pdf = share * pdf_visible_reflection(wo, h, a, bound);
+    return BsdfSample(wi, weight * over_mean(scattered, share), pdf, side, 1.0);
 }
 
 // R' + T' = 1, so the albedo is that of facets with F = 1.

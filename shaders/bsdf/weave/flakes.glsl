@@ -36,8 +36,8 @@ float flakes_mirroring(Flakes f, vec3 wo, vec3 wi) {
 }
 
 // What fibres mirror between two directions with this cosine of the azimuth about them, over what they do at most:
-// about Fresnel's reflectance for an index of 1.55, least for light that returns. FLAKES_MEAN is its mean over their
-// width.
+// about Fresnel's reflectance for an index of 1.55, least for light that returns. Its mean over their width is MEAN of
+// viewer/bake/yarn.py.
 float flakes_fresnel(float cosine) {
     float x = clamp(0.5 + 0.5 * cosine, 0.0, 1.0);
     return FLAKES_LEAST + (1.0 - FLAKES_LEAST) * sqrt((1.0 - x) / (1.0 + sqrt(x))); // 1 - sqrt(x)

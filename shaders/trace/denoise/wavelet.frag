@@ -17,7 +17,7 @@ const float COVERAGE = 100.0;
 const float ALBEDO = 25.0;     // emitters count as white, so that their light does not spread to darker neighbours
 const float SLOPE = 0.5;       // of the depth's predicted change
 const float DEPTH = 0.005;     // of the depth
-const float DEVIATIONS = 8.0;  // times the variance of the difference: a smaller difference is noise, a larger one an edge
+const float DEVIATIONS = 8.0;  // times the variance of the difference: a smaller difference is noise, a larger an edge
 
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy), size = textureSize(u_light, 0);
