@@ -47,6 +47,22 @@ def test_two_parts_are_the_halves_of_two_whole_pictures(scene, renderer):
     assert np.array_equal(renderer.read_display(pbr), whole["pbr"])
 
 
+def test_two_parts_may_differ_in_samples(scene, renderer):
+    """As at rest, where the quality supersamples mode pbr alone."""
+    camera = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1])
+    phong, pbr = Settings(mode="phong"), Settings(antialias="ssaa-4")
+    whole = {}
+    for settings in (phong, pbr):
+        renderer.draw(scene, camera, settings, SIZE)
+        whole[settings.mode] = renderer.read_display(settings)
+    for _ in range(2):
+        renderer.draw(scene, camera, phong, SIZE, part=(0, 0, 40, 64))
+        renderer.draw(scene, camera, pbr, SIZE, part=(40, 0, 56, 64))
+        split = renderer.read_display(pbr)
+        assert np.array_equal(split[:, :40], whole["phong"][:, :40])
+        assert np.array_equal(split[:, 40:], whole["pbr"][:, 40:])
+
+
 def test_two_settings_in_turn_are_planned_once_each(scene, renderer):
     camera = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1])
     plans = []

@@ -10,6 +10,7 @@ import moderngl
 import numpy as np
 
 from ..base.heap import trim_heap
+from ..errors import UsageError
 from ..gpu.buffer_texture import most_texels
 from ..gpu.context import Context
 from ..gpu.free import free
@@ -214,10 +215,21 @@ class Renderer:
 
     def _sized_target(self, size: tuple[int, int], samples: int, half: bool, supersampling: int) -> Target:
         samples = max(min(samples, self._gl.max_samples, self._gl.info["GL_MAX_COLOR_TEXTURE_SAMPLES"]), 1)
-        if self._target is None or not self._target.fits(size, samples, half, supersampling):
-            free(self._gl, self._target)
+        last = self._target
+        if last is None or not last.fits(size, samples, half, supersampling):
+            radiance = None
             self._target = None  # should the next one fail
-            self._target = Target(self._gl, self._depth, size, samples, half, supersampling)
+            if last is not None and (last.size, last.half) == (size, half):  # sides of a split may differ
+                self._gl.screen.use()
+                last.release_samples()
+                radiance = last.radiance
+            else:
+                free(self._gl, last)
+            try:
+                self._target = Target(self._gl, self._depth, size, samples, half, supersampling, radiance)
+            except UsageError:
+                free(self._gl, radiance)
+                raise
         return self._target
 
     def release(self) -> None:

@@ -23,11 +23,12 @@ class Target:
     """Colour (RGBA half or single floats, associated alpha) with depth, at `size` and `samples`.
 
     The frame is drawn at `drawn_size`, `supersampling` times `size` in each direction, with `samples` a pixel.
+    `radiance` is what another target of this size and precision has kept: parts that it has drawn stay.
     """
 
     def __init__(
         self, gl: moderngl.Context, depth: Depth, size: tuple[int, int], samples: int, half: bool,
-        supersampling: int = 1,
+        supersampling: int = 1, radiance: moderngl.Texture | None = None,
     ) -> None:
         limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         self.size, self.samples, self.half, self.supersampling = size, samples, half, supersampling
@@ -41,15 +42,15 @@ class Target:
         self.behind: Behind | None = None
         """What this frame has besides."""
         try:
-            self._make(depth)
+            self._make(depth, radiance)
         except moderngl.Error as error:
             raise UsageError(f"a picture of {size[0]}x{size[1]} with {samples} samples a pixel is more than this "
                              f"OpenGL can hold ({error})") from error
 
-    def _make(self, depth: Depth) -> None:
+    def _make(self, depth: Depth, radiance: moderngl.Texture | None) -> None:
         gl, size, drawn, samples = self._gl, self.size, self.drawn_size, self.samples
         dtype = "f2" if self.half else "f4"
-        self.radiance = gl.texture(size, 4, dtype=dtype)
+        self.radiance = radiance or gl.texture(size, 4, dtype=dtype)
         self.radiance.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self.resolved = gl.framebuffer([self.radiance])
         if samples > 1 or drawn != size:
@@ -93,6 +94,11 @@ class Target:
         return self.resolved.read(components=4, dtype="f2" if self.half else "f4")
 
     def release(self) -> None:
-        for thing in (self.framebuffer, self.resolved, self._color, self.depth, self.radiance):
+        self.release_samples()
+        self.radiance.release()
+
+    def release_samples(self) -> None:
+        """Free all but `radiance`, which another target takes over."""
+        for thing in (self.framebuffer, self.resolved, self._color, self.depth):
             if thing is not None:
                 thing.release()
