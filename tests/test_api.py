@@ -97,6 +97,8 @@ def test_bad_files_are_input_errors(tmp_path):
         viewer.load(tmp_path / "none.glb")
     with pytest.raises(viewer.InputError, match="is not an environment"):
         viewer.load(MODEL, environment="moon")
+    with pytest.raises(viewer.InputError, match="is not an environment: it is a folder"):
+        viewer.load(MODEL, environment=tmp_path)
     with pytest.raises(viewer.InputError, match=r"bad\.hdr"):
         viewer.render(viewer.load(MODEL, environment=tmp_path / "bad.hdr"), SIZE)
     good = viewer.render(viewer.load(MODEL, environment="furnace"), SIZE)  # the renderer is none the worse for it

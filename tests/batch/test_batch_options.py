@@ -16,7 +16,7 @@ MODEL = SCENES / "unlit.glb"
     ([MODEL, "--dask=tcp://a:1", "--jobs", "2"], "--jobs and --dask cannot be used together"),
     ([MODEL, "--scheduler-file", "s.json", "--jobs", "2"], "--jobs and --scheduler-file cannot be used together"),
     ([MODEL, "--scheduler-file", "s.json", "--dask"], "--dask and --scheduler-file cannot be used together"),
-    ([MODEL, "--jobs", "0"], "0 is not in the range 1<=x<=1024"),
+    ([MODEL, "--jobs", "0"], "0 is not from 1 to 1024"),
 ])
 def test_what_contradicts_itself_is_wrong_usage(run, folder, arguments, words):
     outcome = run("render", "-o", "out/", *arguments)

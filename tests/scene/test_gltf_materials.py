@@ -344,7 +344,8 @@ def test_used_extensions_are_one_warning_each():
 
 
 @pytest.mark.parametrize("asset, problem", [
-    ({"version": "1.0"}, "glTF 1.0"), ({"version": "2.1", "minVersion": "2.1"}, "needs glTF 2.1"), ({}, "missing"),
+    ({"version": "1.0"}, "glTF 1.0"), ({"version": ""}, "glTF of no number is"), ({}, "missing"),
+    ({"version": "2.1", "minVersion": "2.1"}, "needs glTF 2.1"),
     (None, "object"), ({"version": 2}, "string")])
 def test_versions(asset, problem):
     with pytest.raises(InputError, match=f"asset.*{problem}"):

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from ..errors import UsageError
+from ..jobs.options import Whole
 
 LOCAL = "local"
 """The address that stands for a cluster of this machine, or for that of DASK_SCHEDULER_ADDRESS."""
@@ -25,7 +26,7 @@ class Address(click.ParamType):
 
 
 BATCH_OPTIONS = [
-    click.option("--jobs", type=click.IntRange(1, 1024), metavar="N",
+    click.option("--jobs", type=Whole(1, 1024), metavar="N",
                  help="Render in N processes beside this one. A model that crashes its process is reported, and the "
                       "others go on."),
     click.option("--dask", is_flag=False, flag_value=LOCAL, type=Address(), metavar="[ADDRESS]",
@@ -38,7 +39,7 @@ BATCH_OPTIONS = [
                  help="Leave out the models whose pictures are there already, made of the same files with the same "
                       "options by a run that was stopped or killed, or in which others have failed; manifest.jsonl "
                       "beside the pictures tells."),
-    click.option("--retries", type=click.IntRange(0, 1000), metavar="N",
+    click.option("--retries", type=Whole(0, 1000), metavar="N",
                  help="Try a model N times more if its process was killed, or memory or the disk was full. What is "
                       "wrong with a file stays wrong, so that is not tried again. Default: 1 for several models, "
                       "0 for one."),

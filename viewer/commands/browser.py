@@ -17,6 +17,7 @@ from ..jobs.options import (
     SCENE_OPTIONS,
     TIME_OPTIONS,
     Size,
+    Whole,
     size_option,
     with_options,
 )
@@ -44,7 +45,7 @@ class _Frames(click.ParamType):
 @click.option("--frames", type=_Frames(), default="36", show_default=True,
               help="Pictures around the model; NxM: at each of M elevations, 25 degrees apart.")
 @size_option("800x800")
-@click.option("--webp-quality", type=click.IntRange(1, 100), default=85, show_default=True, metavar="N",
+@click.option("--webp-quality", type=Whole(1, 100), default=85, show_default=True, metavar="N",
               help="How little the compression of the pictures loses, from 1 to 100.")
 @with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION,
                QUIET_OPTION])
@@ -83,7 +84,7 @@ def page(model: str, output: str, **options: Any) -> None:
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
               help="The address of this machine to listen at. By default only this machine can connect; 0.0.0.0 opens "
                    "the port to all who can reach it.")
-@click.option("--port", type=click.IntRange(0, 65535), default=8765, show_default=True, metavar="N",
+@click.option("--port", type=Whole(0, 65535), default=8765, show_default=True, metavar="N",
               help="The port to listen at; 0 is any that is free.")
 @click.option("--size", type=Size(), default="1280x720", show_default=True,
               help="The largest picture; in a smaller window it is smaller, in a larger one it is enlarged.")

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from ..errors import UsageError
-from .options import Number, Numbers
+from .options import Number, Numbers, Whole
 
 VIEWS = {"front": (0.0, 0.0), "back": (180.0, 0.0), "left": (-90.0, 0.0), "right": (90.0, 0.0), "top": (0.0, 90.0),
          "bottom": (0.0, -90.0), "iso": (45.0, math.degrees(math.atan(math.sqrt(0.5))))}
@@ -64,7 +64,7 @@ CAMERA_OPTIONS = [
     click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point (metres; +Y is up)."),
     click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's centre."),
     click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
-    click.option("--camera", type=click.IntRange(0), metavar="N", help="Use camera N of the file, counted from 0."),
+    click.option("--camera", type=Whole(0, 10**9), metavar="N", help="Use camera N of the file, counted from 0."),
 ]
 VIEWS_OPTIONS = [
     click.option("--cameras", metavar="FILE.json",

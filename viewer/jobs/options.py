@@ -52,6 +52,24 @@ class Number(click.ParamType):
         return number
 
 
+class Whole(click.ParamType):
+    """A whole number from `low` to `high`, both included."""
+
+    name = "whole number"
+
+    def __init__(self, low: int, high: int) -> None:
+        self.low, self.high = low, high
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        try:
+            number = int(value)
+        except ValueError:
+            self.fail(f"{value!r} is not a whole number.", param, ctx)
+        if not self.low <= number <= self.high:
+            self.fail(f"{value} is not from {self.low} to {self.high}.", param, ctx)
+        return number
+
+
 class Numbers(click.ParamType):
     """Numbers separated by commas. Their count must be one of `counts`; `check` returns a problem with them, or ""."""
 
@@ -209,7 +227,7 @@ TIME_OPTIONS = [
                  help="Show the animation at this time; default: 0 with --animation, else the model at rest."),
 ]
 PATH_OPTIONS = [
-    click.option("--spp", type=click.IntRange(*_ends("spp")), metavar="N",
+    click.option("--spp", type=Whole(*_ends("spp")), metavar="N",
                  help=f"Mode path: samples per pixel. With one of the next two options it is the most samples. "
                       f"Default: {DEFAULT_SPP}, or unlimited with one of them."),
     click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
@@ -217,7 +235,7 @@ PATH_OPTIONS = [
     click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
                  help="Make a picture with at most this relative error (0.02 is 2 %) in little time, by both "
                       "renderers; with --mode path, by path tracing, which estimates its error."),
-    click.option("--seed", type=click.IntRange(*_ends("seed")), default=0, metavar="N",
+    click.option("--seed", type=Whole(*_ends("seed")), default=0, metavar="N",
                  help="Mode path: the seed of the random numbers; the same N gives the same noise."),
     click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,
                  help="Mode path: remove noise, which also blurs some detail: fast (a wavelet filter), raster (mix in "
@@ -243,7 +261,7 @@ AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
     f"in mode path also {', '.join(PATH_LAYERS)}. Motion is in pixels to the next frame, by --animation and --time, "
     "--turntable and --fps."))
 FILM_OPTIONS = [
-    click.option("--turntable", type=click.IntRange(1, 36_000), metavar="FRAMES",
+    click.option("--turntable", type=Whole(1, 36_000), metavar="FRAMES",
                  help="Film: turn once around the model in so many frames; 1 is a film of one frame."),
     click.option("--fps", type=Number(0.01, 1000), metavar="N", help="Film: frames per second. Default: 25."),
 ]

@@ -50,7 +50,8 @@ def load_environment(spec: str | Path | None) -> Environment | None:
         return make_preset(str(spec))
     path = Path(spec)
     if path.suffix.lower() not in FORMATS:
-        problem = f"{path.suffix} files cannot be read" if path.is_file() else "no such file"
+        problem = ("it is a folder" if path.is_dir() else "no such file" if not path.is_file()
+                   else f"{path.suffix} files cannot be read" if path.suffix else "its name has no ending")
         raise InputError(path, "", f"is not an environment: {problem}; use a {', '.join(FORMATS)} file, or one of "
                                    f"none, {', '.join(PRESETS)}")
     digest = _file_digest(path)

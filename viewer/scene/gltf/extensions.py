@@ -38,7 +38,7 @@ def check_asset(root: Element) -> None:
     version = asset.string("version")
     needed = asset.string("minVersion", version.split(".")[0] + ".0")
     if version.split(".")[0] != "2":
-        raise asset.error(f"glTF {version[:20]} is not supported; only 2.0 is supported", "version")
+        raise asset.error(f"glTF {version[:20] or 'of no number'} is not supported; only 2.0 is supported", "version")
     if needed != "2.0":
         raise asset.error(f"the file needs glTF {needed[:20]}; only 2.0 is supported", "minVersion")
     used, required = extension_names(root, "extensionsUsed"), extension_names(root, "extensionsRequired")
