@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import json
+import weakref
 from collections import Counter
 from dataclasses import replace
 
@@ -204,3 +206,17 @@ def test_a_pose_is_traced_as_by_a_tracer_that_has_seen_no_other(context, monkeyp
         fresh.release()
     assert not np.array_equal(pictures[0], pictures[1]) and not np.array_equal(pictures[1], pictures[2])
     ours.release()
+
+
+def test_a_tracer_that_forgets_frees_the_scene_and_traces_it_again_alike(tracer):
+    """Before the next model is loaded: memory never holds two."""
+    model, settings = still_life(), Settings.of(mode="path", spp=2)
+    first = tracer.render(model, VIEW, settings, (16, 16)).linear
+    mesh = weakref.ref(model.meshes[0])
+    del model
+    gc.collect()
+    assert mesh() is not None
+    tracer.forget()
+    gc.collect()
+    assert mesh() is None and tracer.context.gl.error == "GL_NO_ERROR"
+    np.testing.assert_array_equal(tracer.render(still_life(), VIEW, settings, (16, 16)).linear, first)

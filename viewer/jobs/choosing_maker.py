@@ -35,8 +35,10 @@ class ChoosingMaker(PictureMaker):
         def report(fraction: float, seconds_left: float) -> None:
             progress.part(fraction, f"{path.name}: {seconds_left:.0f} s left")
 
-        self._renderer.times.clear()
-        self._renderer.pass_ms.clear()
+        renderer, tracer = self._renderer, self._tracer
+        assert renderer is not None and tracer is not None
+        renderer.times.clear()
+        renderer.pass_ms.clear()
         with postponed() as stop_request:
             following = request.following(scene, camera) if request.following is not None else None
             image, choice = self._chooser.make(scene, camera, request.settings, request.size, request.layers, report,
@@ -47,7 +49,7 @@ class ChoosingMaker(PictureMaker):
         if self.stopped is None and not request.quiet:  # a stopped one has a message, which includes the choice
             request.tell(f"{path}: {choice}")
         self.summary = str(choice)
-        self.stats = {"choice": choice.to_json(), "prepare_s": dict(self._renderer.times),
-                      "pass_ms": dict(self._renderer.pass_ms), **image.stats, "stopped": self.stopped is not None}
-        self.texture_bytes = max(self._renderer.texture_bytes, self._tracer.texture_bytes)
+        self.stats = {"choice": choice.to_json(), "prepare_s": dict(renderer.times),
+                      "pass_ms": dict(renderer.pass_ms), **image.stats, "stopped": self.stopped is not None}
+        self.texture_bytes = max(renderer.texture_bytes, tracer.texture_bytes)
         return image

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from ..raster.renderer import Renderer
     from ..trace.paths.part import Part
-    from ..trace.tracer import Tracer
 
 
 def make_picture_maker(request: RenderRequest) -> PictureMaker:
@@ -35,11 +34,6 @@ def make_picture_maker(request: RenderRequest) -> PictureMaker:
 
 
 class RasterMaker(PictureMaker):
-    def __init__(self, request: RenderRequest) -> None:
-        super().__init__(request)
-        self._renderer: Renderer | None = None
-        self._tracer: Tracer | None = None
-
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`."""
         from ..plan.legend import legend
@@ -71,11 +65,6 @@ class RasterMaker(PictureMaker):
         self.texture_bytes = renderer.texture_bytes
         return image
 
-    def forget(self) -> None:
-        """As `PictureMaker.forget`."""
-        if self._renderer is not None:
-            self._renderer.forget()
-
     def tell_error(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> None:
         """Find out the `error` of the picture that was made last, which is in its file by now.
 
@@ -103,8 +92,6 @@ class RasterMaker(PictureMaker):
 class PathMaker(PictureMaker):
     def __init__(self, request: RenderRequest) -> None:
         super().__init__(request)
-        self._tracer: Tracer | None = None
-        self._renderer: Renderer | None = None
         self.given: Sequence[Part] = ()
         """Samples that others have traced, which `make` takes instead of tracing them."""
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from ..estimate.raster_error import RasterError
     from ..gpu.context import Context
     from ..raster.layers import Following
+    from ..raster.renderer import Renderer
+    from ..trace.tracer import Tracer
 
 
 @dataclass
@@ -57,6 +59,8 @@ class PictureMaker(ABC):
 
     def __init__(self, request: RenderRequest) -> None:
         self._request = request
+        self._renderer: Renderer | None = None
+        self._tracer: Tracer | None = None
         self.stats: dict[str, object] = {}
         """The statistics of the last picture, for `--stats`."""
         self.summary = ""
@@ -68,8 +72,12 @@ class PictureMaker(ABC):
         self.error: RasterError | None = None
         """The error of the last picture, where `RasterMaker.tell_error` has told it."""
 
-    def forget(self) -> None:  # noqa: B027  most keep little of a scene
-        """Free what only the last scene needs, before another one is loaded."""
+    def forget(self) -> None:
+        """Free what only the last scene needs, before another one is loaded, so that memory never holds both."""
+        if self._renderer is not None:
+            self._renderer.forget()
+        if self._tracer is not None:
+            self._tracer.forget()
 
     @abstractmethod
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:

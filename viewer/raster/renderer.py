@@ -72,7 +72,7 @@ class Renderer:
         self._prepared.expect(ahead)
 
     def forget(self) -> None:
-        """Free what only the last scene needs, before another one is loaded, so that memory never holds both."""
+        """Free what only the last scene needs."""
         self.context.make_current()
         self.plan = None
         self._prepared.take(Scene("nothing"))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..bake.dfg import dfg_albedos
 from ..bake.rough_glass import with_rough_glass
 from ..bake.stretched import stretched_levels
+from ..base.heap import trim_heap
 from ..errors import UsageError
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
@@ -277,6 +278,14 @@ class Tracer:
             self._dfg[key] = float_texture(
                 self.context.gl, with_rough_glass(table, settings.masking) if roughens else table, *levels)
         return self._dfg[key]
+
+    def forget(self) -> None:
+        """As `viewer.raster.renderer.Renderer.forget`."""
+        self.context.make_current()
+        if self._scene is not None:
+            self._scene.release()
+        self._scene, self._shown, self._coverage = None, None, LastCoverage()
+        trim_heap()
 
     def release(self) -> None:
         """Free the resources of the tracer. The context stays, and so do programs that it was given."""
