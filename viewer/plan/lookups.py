@@ -8,9 +8,6 @@ from ..settings import Settings
 NARROW_ROUGHNESS = 0.06
 """Up to this perceptual roughness one lookup is the whole lobe: _NARROW_COLUMNS in viewer/bake/lookups.py."""
 
-GROOVE_LOOKUPS = 16
-"""Of the lobe of a normal map with grooves, whose stretching varies from pixel to pixel."""
-
 
 def lookups(material: Material, settings: Settings) -> int:
     """The number of isotropic lobes that stand for the lobe of the base under an environment.

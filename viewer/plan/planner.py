@@ -25,13 +25,14 @@ from .bsdf_switches import bsdf_switches
 from .curves import draws_curves, plan_curves
 from .deferral import can_defer, is_worth_deferring
 from .explain import explain
+from .grooves import with_grooves
 from .ground import plan_ground
 from .instances import instances_of, is_instanced, placed
-from .lookups import GROOVE_LOOKUPS, coat_lookups, lookups
+from .lookups import coat_lookups, lookups
 from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, hides_light, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, THIN_WALLED, Draw, Plan, Program
-from .samplers import MAX_SAMPLERS, sampler_count, within_limit
+from .samplers import within_limit
 from .sharing import attributes_of, include_everything, share_programs
 from .views import plan_view
 
@@ -236,7 +237,7 @@ def _draw(
     maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
     if model == "pbr" and "normal" in maps and textures["normal"].image in grooved \
             and material.reflects and settings.ndf == "ggx":
-        switches = _with_grooves(switches)
+        switches = with_grooves(switches)
     program = Program.of(f"raster/{model}.frag", switches)
     transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])
     return Draw(0, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
@@ -290,14 +291,6 @@ def _pbr_switches(material: Material, settings: Settings, has_environment: bool)
         "TRACED_REFRACTION": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
                                  and material.transmits and material.thickness > 0),
     }
-
-
-def _with_grooves(switches: dict[str, int]) -> dict[str, int]:
-    """The switches of a surface whose normal map has grooves, if there is a sampler left for how they spread."""
-    stretched = switches | {"GROOVED": 1, ANISOTROPY.switch: 1}
-    if switches["LOOKUPS"]:
-        stretched["LOOKUPS"] = max(GROOVE_LOOKUPS, switches["LOOKUPS"])
-    return stretched if sampler_count(stretched) <= MAX_SAMPLERS else switches
 
 
 def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:
