@@ -17,11 +17,15 @@ const int WEAVE_LOOKUPS = 8; // of mirrored light, for one place; each of severa
 
 uniform vec3 u_weave_places[WEAVE_PLACES]; // of the whole draft, in units of cells, each with its weight
 
+// Of the places, the share that this point has
+int weave_share() {
+    ivec2 point = ivec2(gl_FragCoord.xy) % SHADED_SIDE;
+    return (point.x + SHADED_SIDE * point.y) % WEAVE_SHARES;
+}
+
 // The place k of WEAVE_SHARE about a shaded point, and its weight. `x` and `y` are the sides of what it stands for in
 // texture coordinates: of a pixel, or of a part of it. Places of the draft come in pairs of warp and weft.
-vec3 weave_place(int k, vec2 uv, vec2 x, vec2 y) {
-    ivec2 point = ivec2(gl_FragCoord.xy) % SHADED_SIDE;
-    int share = (point.x + SHADED_SIDE * point.y) % WEAVE_SHARES;
+vec3 weave_place(int k, int share, vec2 uv, vec2 x, vec2 y) {
     vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size) * float(SHADED_SIDE); // of the pixel
     float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y));
     if (hammersley(uint(k / 2), uint(WEAVE_SHARE / 2)).y < whole) {
@@ -79,7 +83,8 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     }
     vec2 cells = (abs(x) + abs(y)) * u_weave_density;
     int places = max(cells.x, cells.y) > 0.1 ? WEAVE_SHARE : 1;
-    int lookups = places > 1 ? 1 : WEAVE_LOOKUPS;
+    int lookups = places > 1 ? 1 : WEAVE_LOOKUPS, share = weave_share();
+    int samples = (places > 1 ? WEAVE_SHARE / 4 : WEAVE_LOOKUPS / 2) * WEAVE_SHARES; // of each lobe, for warp or weft
     vec3 radiance = vec3(0.0);
     // Of what is mirrored, and of what has entered a fibre: light of the environment; weights of its samples; their sum
     // by the table
@@ -87,7 +92,7 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     float straight = 0.0;
     for (int k = 0; k < places; ++k) {
         vec3 place = vec3(v_uv0, 1.0);
-        if (places > 1) place = weave_place(k, v_uv0, x, y);
+        if (places > 1) place = weave_place(k, share, v_uv0, x, y);
         int yarns;
         Woven m = weave_at(place.xy, vec2(1.0, 0.0), dv, is_front, yarns);
         WovenView v = woven_view(m, deep[yarns], wo, u_weave_table);
@@ -99,26 +104,33 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
         float own = (v.seen - v.mean_seen) / max(1.0 - v.mean_seen, 1e-3);
         around += clamp(own, -1.0, 1.0) * (leaning * m.normal.xy);
 #endif
-        sent += v.back * max(around, 0.0) + v.through * below;
+        sent += v.back * max(around, 0.0) + (v.through + v.onwards) * below;
 #if HAS_ENVIRONMENT
-        due += place.z * mat2x3(v.mirrored * m.specular, v.once);
-        for (int j = 0; j < lookups; ++j) {
-            // In turn, for a warp and a weft
-            int lobe = (k * lookups + j) >> 1 & 1;
+        due += place.z * mat2x3(v.mirrored * m.specular, v.once - v.onwards);
+        for (int j = 0; j < lookups && !woven_is_gap(m); ++j) {
+            // In turn, for a warp and a weft; all points in a pixel have samples of their own
+            int turn = places > 1 ? k >> 1 : j, lobe = turn & 1;
+            vec2 u = hammersley(uint((turn >> 1) * WEAVE_SHARES + share), uint(samples)).yx + 0.5 / float(samples);
             bool is_mirrored = lobe == 0;
             Flakes f = Flakes(m.axis, is_mirrored ? v.flakes.alpha : ENTERED_ALPHA);
-            vec3 h = flakes_sample(f, wo, hammersley(uint(k * lookups + j), uint(places * lookups)));
+            vec3 h = flakes_sample(f, wo, u);
             vec3 wi = 2.0 * dot(wo, h) * h - wo;
             vec3 weight = m.specular;
-            if (!is_mirrored) {
-                float density = 4.0 / max(flakes_density(f, h), 1e-6); // over the area of the flakes
+            if (is_mirrored) {
+                weight *= flakes_fresnel(azimuth_about(m.axis, wo, wi));
+            } else {
                 wi = 2.0 * dot(m.axis, wi) * m.axis - wi;
-                vec2 e = entered_once(m.axis, wo, wi, azimuth_about(m.axis, wo, wi)) * density;
+                // What leaves on the other side is diffuse here; directions there stand for those mirrored to this one
+                vec3 other = vec3(wi.xy, -wi.z);
+                wi.z = abs(wi.z);
+                float mirroring = flakes_mirroring(f, wo, 2.0 * dot(m.axis, other) * m.axis - other);
+                float density = 0.25 * (flakes_density(f, h) + mirroring); // times the area of the flakes
+                vec2 e = entered_once(m.axis, wo, wi, azimuth_about(m.axis, wo, wi)) / max(density, 1e-6);
                 weight = m.passed * e.x + m.returned * e.y;
             }
             weight *= place.z * woven_weight(v, m.thickness, wo, wi);
             weights[lobe] += weight;
-            once[lobe] += weight * environment_specular(frame * wi, is_mirrored ? 0.5 : 0.6);
+            once[lobe] += weight * environment_specular(frame * wi, is_mirrored ? 0.5 : 0.4);
         }
 #endif
 #if LIGHT_COUNT > 0
