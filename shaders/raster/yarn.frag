@@ -90,7 +90,8 @@ vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
 #if HAIR_LIGHT
     a.hidden = textureLod(u_hair_hidden, in_hair(position), 0.0);
     a.across = textureLod(u_hair_across, in_hair(position), 0.0).xyz;
-    a.scattered = textureLod(u_hair_scattered, in_hair(position), 0.0).rgb / max(a.hidden.x, 1e-3);
+    a.scattered = textureLod(u_hair_scattered, in_hair(position), 0.0).rgb
+        / max(hair_opacity(a.hidden.x), vec3(1e-3));
 #endif
     float step = 2.0 * PI / float(STEPS), lod = 0.0;
     vec3 radiance = vec3(0.0);

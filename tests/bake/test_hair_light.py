@@ -120,6 +120,17 @@ def test_white_fibres_in_a_furnace_scatter_what_they_hide(grid, white):
     assert np.abs(light.across[inside]).max() < 0.05
 
 
+def test_fibres_in_a_furnace_that_absorb_some_channels_scatter_the_others_whole(grid):
+    """From no side more than from others, though each channel is hidden by another share, by a power of the mean's."""
+    red = HairMedium(grid, Fibre((0.0, 3.0, 10.0)))
+    light, inside = red.lit((), uniform_lights(32, np.ones(3))), grid.density > 0
+    exponent = red.medium.kept[0] / red.kept
+    assert exponent < 0.8
+    scattered = light.radiance[inside][:, 0] / (1 - (1 - red.hidden[inside][:, 0])**exponent)
+    assert np.abs(scattered - 1).max() < 0.08 and abs(scattered.mean() - 1) < 0.02
+    assert np.abs(light.across[inside]).max() < 0.15
+
+
 def test_the_upper_side_hides_what_is_below(grid, white):
     top = white.hidden[:, -3][grid.density[:, -3] > 0]
     assert (top[:, 2] < 0).mean() > 0.95

@@ -61,21 +61,20 @@ class HairMedium:
         self._axis, self._order = grid.moments()
         self._open = np.zeros((ORDERS, *grid.shape), np.float32)
         self.hidden = np.zeros((*grid.shape, 4), np.float32)
-        mean_hidden = np.zeros((3, *grid.shape), np.float32)
         around = np.zeros((ORDERS, 3, *grid.shape), np.float32)
         for direction in uniform_lights(_DIRECTIONS, np.ones(3)).directions:
             depth = grid.depth(direction)
             passed = self._passed(depth) / _DIRECTIONS
             self._add(around, passed, direction)
-            mean_hidden += 1 / _DIRECTIONS - passed
             opacity = -np.expm1(-self.kept * depth) / _DIRECTIONS
             self.hidden += opacity[..., None] * np.array([1.0, *(3 * direction)], np.float32)
         # Under light from all around what fibres scatter comes evenly from all sides, but what reaches them does not.
         self._open[1:] = around[1:, 1] / np.maximum(around[0, 1], 1e-30)
-        white = self._diffused(around[:1], np.ones_like(around[:1]))[0]
-        # In a medium that absorbs nothing, under radiance 1 from everywhere, all radiance is 1 (diffusion.py).
-        self._white_across = self._across(white)
-        self._correction = np.minimum(mean_hidden / np.maximum(white, 1e-30), MOST_CORRECTED)
+        self._white = self._diffused(around[:1], np.ones_like(around[:1]))[0]
+        # In a medium that absorbs nothing, under radiance 1 from everywhere, all radiance is 1 (diffusion.py). What
+        # each channel hides in the mean is what shaders take it to be, by a power of the mean of all.
+        opacity = 1 - np.maximum(1 - self.hidden[..., 0], 0)**_channels(self.medium.kept / self.kept)
+        self._correction = np.minimum(opacity / np.maximum(self._white, 1e-30), MOST_CORRECTED)
 
     def lit(self, lights: Iterable[Light], sky: ManyLights | None) -> HairLight:
         """The light of `lights` and of the environment, `sky`."""
@@ -99,8 +98,7 @@ class HairMedium:
         phi = self._lit(around)
         radiance = np.maximum(phi[0] * self._correction, 0) / np.float32(4 * math.pi)
         inclined = np.clip(phi[1:].sum(axis=1) / np.maximum(phi[0].sum(axis=0), 1e-30), -1, 1)
-        return HairLight(np.moveaxis(radiance, 0, -1), np.moveaxis(inclined, 0, -1),
-                         self._across(phi[0]) - self._white_across, depths)
+        return HairLight(np.moveaxis(radiance, 0, -1), np.moveaxis(inclined, 0, -1), self._across(phi[0]), depths)
 
     def _add(self, light: np.ndarray, arriving: np.ndarray, direction: np.ndarray) -> None:
         """Add light that no fibre has scattered, `arriving` (3, nz, ny, nx) from `direction`, (3,) or (3, nz, ny, nx),
@@ -112,9 +110,12 @@ class HairMedium:
         light += arriving * (np.moveaxis(legendre, -1, 0) * self._order - self._open).astype(np.float32)[:, None]
 
     def _across(self, fluence: np.ndarray) -> np.ndarray:
-        """Where light of this fluence (3, nz, ny, nx) comes from across the fibres (`origin_of`)."""
-        depth = self._extinction * _channels(self.medium.kept)
-        found = origin_of(fluence, diffuse_flux(fluence, 1.5 * self._reduced(depth)))
+        """Where light of this fluence (3, nz, ny, nx) comes from across the fibres (`origin_of`), less where it would
+        come from in white fibres under light from all around, in each channel."""
+        resistance = 1.5 * self._reduced(self._extinction * _channels(self.medium.kept))
+        share = fluence / np.maximum(self._white, 1e-30)
+        white = [share * part for part in diffuse_flux(self._white, resistance)]
+        found = origin_of(fluence, diffuse_flux(fluence, resistance)) - origin_of(fluence, white)
         axis = np.moveaxis(self._axis, 0, -1)
         return found - axis * (axis * found).sum(axis=-1, keepdims=True)
 
