@@ -11,7 +11,8 @@ from shapes import constant, lopsided, orthographic, plate, scene
 
 from viewer.material.weave import _cells
 from viewer.scene.light import Light
-from viewer.scene.weave import Weave
+from viewer.scene.material import Material
+from viewer.scene.weave import WEAVES, Weave
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer
 
@@ -133,6 +134,15 @@ def test_cells_know_how_far_their_yarns_lie_above():
     for y, x in np.ndindex(height, width):
         steps = run(y, x, 0, -1), run(y, x, 0, 1), run(y, x, -1, 0), run(y, x, 1, 0)
         assert cells[y * width + x] == draft[y, x] + sum(n << 1 + 4 * k for k, n in enumerate(steps))
+
+
+def test_cloth_needs_no_interface_to_mirror_light(radiance):
+    """Its fibres do, also where a material that is woven has no specular reflection of its own."""
+    cloth = Material(metallic=0.0, specular=0.0, weave=WEAVES["twill"])
+    assert cloth.reflects
+    found, plain = (radiance(scene(plate(), materials=[material], environment=constant()), orthographic(), SIZE)
+                    for material in (cloth, replace(cloth, specular=1.0)))
+    np.testing.assert_array_equal(found, plain)
 
 
 @pytest.mark.parametrize("yarn", [{"thickness": 0, "width": 0.05}, {"roughness": 0.02, "bend": 60, "twist": 60},

@@ -344,7 +344,7 @@ class Material:
     @property
     def reflects(self) -> bool:
         """Whether it reflects light other than diffusely: at its interface, its fibres or its clear coat."""
-        return self.has_interface or CLEARCOAT.is_on(self) or SHEEN.is_on(self)
+        return self.has_interface or self.weave is not None or CLEARCOAT.is_on(self) or SHEEN.is_on(self)
 
     @property
     def medium(self) -> Medium:
