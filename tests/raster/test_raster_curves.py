@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapes import plate, scene
+from images import image_of, noise
+from shapes import moved, plate, scene
 
 from viewer.plan.planner import plan_scene
 from viewer.plan.warnings import picture_warnings
@@ -21,7 +22,7 @@ from viewer.scene.environment_presets import make_preset
 from viewer.scene.equirect import texel_directions, texel_solid_angles
 from viewer.scene.fibre import Fibre, sigma_a_of_color
 from viewer.scene.light import Light
-from viewer.scene.material import Material
+from viewer.scene.material import Material, Texture
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
@@ -70,6 +71,19 @@ def test_a_white_fibre_in_a_furnace_is_white(radiance, radius):
     np.testing.assert_allclose(pixels[..., :3].sum(axis=(0, 1)) / covered, 1, atol=0.012)
     full = pixels[pixels[..., 3] == 1][:, :3]
     assert radius < 0.1 or (len(full) > 300 and np.abs(full - 1).max() < 0.03)
+
+
+@pytest.mark.parametrize("yarn", ["off", "wool"])
+def test_curves_before_a_textured_surface_are_drawn(radiance, yarn):
+    """The samplers of its maps read mip levels."""
+    pictures = []
+    for texture in (None, Texture(image_of(noise(8, 8, 3, 1)))):
+        behind = scene((plate(0, 2.0), moved((0, 0, -1))),
+                       materials=(Material(base_color=(0, 0, 0, 1), unlit=True, base_color_texture=texture),))
+        pictures.append(radiance(replace(behind, curves=(strand(0.2),), environment=FURNACE), CAMERA, (32, 32),
+                                 mode="phong", yarn=yarn))
+    assert np.ptp(pictures[0][:, 16, 0]) > 0.1
+    np.testing.assert_allclose(pictures[1], pictures[0], atol=1e-5)
 
 
 @pytest.mark.parametrize("antialias, error", [("none", 0.08), ("msaa-4", 0.05), ("ssaa-16", 0.03)])

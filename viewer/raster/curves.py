@@ -28,6 +28,7 @@ from .depth import Depth
 from .environment import EnvironmentLight
 from .hair_light import HairLight, hair_medium, light_key, medium_key
 from .surfaces import bind_blocks
+from .units import UNIT_DFG
 from .yarns import TUBES, YarnBuffers
 
 UNIT_POINTS, UNIT_COLORS, UNIT_TABLE = range(3)
@@ -186,6 +187,7 @@ class CurvePass:
         if plan.curves is None:
             return
         gl, target = self._gl, self._gl.fbo
+        self._clear_samplers()
         gl.enable_only(moderngl.DEPTH_TEST)
         target.color_mask = False, False, False, False
         target.use()
@@ -211,6 +213,7 @@ class CurvePass:
                     following: Frame) -> None:
         """Draw what curves are, as numbers: shaders/raster/curve_layers.frag. `following` shows them at the next time.
         Within `Depth.test()`."""
+        self._clear_samplers()
         self._gl.enable_only(moderngl.DEPTH_TEST)
         scene = frame.scene
         still = following.shows_as(frame)
@@ -232,6 +235,7 @@ class CurvePass:
 
     def draw_depth(self, world_to_clip: np.ndarray, size: int) -> None:
         """Draw all curves into a tile of `size` texels of a shadow map."""
+        self._clear_samplers()
         for buffers in self._drawn:
             is_blunt = 2 * buffers.blunt_radius * _texels_per_unit(world_to_clip, size) >= ROUND_PIXELS
             for part in BESIDE if is_blunt else ALL:
@@ -244,6 +248,10 @@ class CurvePass:
                     buffers.draw(program, np.minimum(buffers.levels(world_to_clip, (size, size)), TUBES))
                 else:
                     buffers.draw(program, THIN)
+
+    def _clear_samplers(self) -> None:
+        """Those of surfaces' maps read mip levels, which the textures of curves have none of: all of it would be 0."""
+        self._gl.clear_samplers(0, UNIT_DFG)
 
     def _draw_one(self, buffers: CurveBuffers | YarnBuffers, wanted: Program, part: int, frame: Frame, samples: int,
                   uniforms: dict[str, object]) -> None:
