@@ -88,6 +88,26 @@ def test_lookups_against_the_lobes_in_random_lights(f0, one, two):
     assert found["mean direction"] < found["mirror direction"]
 
 
+@pytest.mark.parametrize(("f0", "least", "most"), [(0.04, 0.75, 1.18), (0.9, 0.83, 1.2)])
+def test_a_lamp_that_a_grazing_lobe_sees_well_is_seen_as_well(f0, least, most):
+    """Light of a lamp that stands in the plane of incidence, anywhere from n to the horizon: of the lobe's."""
+    light = RandomLight(0)
+    light.power, light.sharpness = np.ones(1), np.full(1, 40.0)
+    light.series = (np.exp(40 * (NODES[None] - 1)) * NODE_WEIGHTS) @ LEGENDRE * (np.arange(DEGREE + 1) + 0.5)
+    for NoV, roughness in [(NoV, roughness) for NoV in (0.1, 0.2, 0.3) for roughness in (0.3, 0.4, 0.5)]:
+        [half], [parts] = lobe_samples("ggx", "smith", np.array([NoV]), roughness**2, 20)
+        both, lobe = np.concatenate([half, half * [1, 1, -1]]), np.tile(parts @ [f0, 1] / 2, 2)
+        way, albedo = as_filtered_lobes(NoV, table_at(NoV, roughness)[2:]), parts.sum(axis=0) * [f0, 1]
+        exact, found = [], []
+        for angle in np.linspace(0, np.pi / 2, 31):
+            light.centers = np.array([[np.cos(angle), np.sin(angle), 0.0]])
+            exact.append(light.seen(both) @ lobe)
+            found.append(sum(light.filtered(d, spectrum) * (w @ albedo) for d, spectrum, w in way))
+        seen = np.array(exact) > 0.3 * max(exact)
+        ratios = np.array(found)[seen] / np.array(exact)[seen]
+        assert least < ratios.min() and ratios.max() < most
+
+
 @pytest.mark.parametrize("f0", [0.04, 0.9])
 def test_their_mean_direction_and_their_widths_are_the_lobe_s(f0):
     """First and second moments of the sum, in the plane of incidence and across it."""

@@ -15,12 +15,14 @@ Directions and levels minimise the expected squared relative error under uniform
 somewhere, whose light is p g(c . l), where g is a blurred spot that integrates to 1. With the kernels K of the lobe and
 k_i of the filters, which integrate to 1 too, blurred by g,
 
-    error = int dc u(c) (sum_i w_i k_i(c) - K(c))^2,    u(c) = (p / (1 + p K(c)))^2
+    error = int dc u(c) (sum_i w_i k_i(c) - K(c))^2,    u(c) = (p / (1 + p max(K(c), s max K)))^2
 
 u is the weight of a relative error: a lamp that the lobe hardly sees must not be seen by a lookup, for it may be a
 thousand times as bright as what the lobe does see. (Without it, with the absolute errors of random environments, metals
-in a studio were too bright or too dark by half where no lamp is mirrored.) LAMPS are small, for what is mirrored, and
-large, for what lights a room.
+in a studio were too bright or too dark by half where no lamp is mirrored.) But a relative error is at most 1 where the
+sum sees too little and has no bound where it sees too much, so that the best sum would be too narrow: at grazing angles
+it had half of the light of a lamp beside the mirror direction. So below the share s of the largest K, one of FLOORS,
+all errors count as at that share. LAMPS are small, for what is mirrored, and large, for what lights a room.
 
 The best weights for given lookups are those of a small quadratic programme. The lookups themselves are found by a
 descent along one coordinate after the other, for all views and roughnesses at once. A small penalty on differences
@@ -43,6 +45,7 @@ GRID = 16  # rows and columns that are fitted; those between are interpolated
 DEGREE = 255
 TYPICAL_F0 = (0.04, 0.9)  # the errors of a dielectric and of a metal count alike
 LAMPS = ((0.0, 1.0, 10.0), (0.2, 0.0, 40.0))  # radius in radians, radius as a multiple of alpha, radiance
+FLOORS = (0.0, 0.4)  # s of one lookup, which is for narrow lobes, and of two
 _SMALLEST_LAMP = 0.02  # radians
 _NARROW_COLUMNS = 2  # roughnesses whose pair is twice half the single one: that lobe is narrow however it is seen
 T_BOUNDS = (-0.5, 5.0)  # of t: near the normal r = n and t has no effect
@@ -61,7 +64,11 @@ def fit_lookups(ndf: str, masking: str) -> list[np.ndarray]:
     Row j is NoV = (j / (GRID-1))^2, column i is perceptual roughness i / (GRID-1). A lookup looks along mix(n, r, t).
     """
     fit = _Fit(ndf, masking)
-    single, pair = (fit.lookups(fit.descend(start)) for start in fit.starts())
+    found = []
+    for start, floor in zip(fit.starts(), FLOORS, strict=True):
+        fit.weigh(floor)
+        found.append(fit.lookups(fit.descend(start)))
+    single, pair = found
     single[:, 0] = [1, 0, 1, 1]  # the mirror
     pair[:, :_NARROW_COLUMNS] = single[:, :_NARROW_COLUMNS] * [1, 1, 0.5, 0.5]
     return [single, pair]
@@ -91,39 +98,47 @@ class _Fit:
         self.legendre = np.polynomial.legendre.legvander(np.cos(np.linspace(0, np.pi, _ANGLES + 1)), DEGREE)
         self.filters = np.stack([level_spectrum(ndf, k, DEGREE) for k in range(LEVELS)] + [cosine_spectrum(DEGREE)])
         columns = [self._column(ndf, masking, NoV, max(r, 0.05) ** 2) for r in axis]
-        places, of_lobe, weights, shares, tables = (np.stack(kind) for kind in zip(*columns, strict=True))
+        places, of_lobe, solid_angles, powers, shares, tables = (
+            np.stack(kind) for kind in zip(*columns, strict=True))
         self.places, self.shares = (kind.swapaxes(0, 1).reshape(GRID * GRID, *kind.shape[2:])
                                     for kind in (places, shares))
         # (columns, lamps, GRID, Q, parts) to (C, parts, lamps Q)
-        of_lobe, self.weights = (kind.transpose(2, 0, 4, 1, 3).reshape(GRID * GRID, 2, -1)
-                                 for kind in (of_lobe, weights))
-        self.on_lobe = self.weights * of_lobe
-        self.least = -(self.on_lobe * of_lobe).sum(axis=2)  # of no error: that of the weights is added to it
+        self.of_lobe = of_lobe.transpose(2, 0, 4, 1, 3).reshape(GRID * GRID, 2, len(LAMPS), -1)
+        self.solid_angles, self.powers = np.tile(solid_angles, (GRID, 1)), np.tile(powers, (GRID, 1))
         self.tables = tables.ravel()
         lamps, of_column = tables.shape[1], tables[0, 0].size
         self.first = ((np.tile(np.arange(GRID), GRID)[:, None] * lamps + np.arange(lamps)) * of_column)[..., None]
         self.irradiance = self.tables[self.first + self._angles(0 * self.theta) + LEVELS].reshape(GRID * GRID, -1)
 
     def _column(self, ndf: str, masking: str, NoV: np.ndarray, alpha: float) -> tuple[np.ndarray, ...]:
-        """Of one roughness: the places of the lamp, (GRID, Q, 3); K there and u, (lamps, GRID, Q, parts); how much the
-        errors of the parts count, (GRID, parts); and the kernels of the filters, (lamps, angles, filters)."""
+        """Of one roughness: the places of the lamp, (GRID, Q, 3); K there, (lamps, GRID, Q, parts); the solid angles
+        of the places, (Q,); p, (lamps,); how much the errors of the parts count, (GRID, parts); and the kernels of the
+        filters, (lamps, angles, filters)."""
         directions, parts = lobe_samples(ndf, masking, NoV, alpha, _NODES)
         albedo = parts.sum(axis=1)
         parts = parts / albedo[:, None]
         places, solid_angle = _places(directions, parts.mean(axis=2), alpha)
         degrees = np.arange(DEGREE + 1)
-        of_lobe, weights, tables = [], [], []
+        of_lobe, powers, tables = [], [], []
         for radius, of_alpha, radiance in LAMPS:
             sigma = max(radius + of_alpha * alpha, _SMALLEST_LAMP)
             blurred = (2 * degrees + 1) / (4 * np.pi) * np.exp(-degrees * (degrees + 1) * sigma**2 / 2)
             seen = _seen_lamp((self.legendre @ blurred).astype(np.float32), places, directions, parts)
-            power = radiance * 2 * np.pi * sigma**2
             of_lobe.append(seen)
-            weights.append(solid_angle[:, None] * (power / (1 + power * seen)) ** 2)
+            powers.append(radiance * 2 * np.pi * sigma**2)
             tables.append(self.legendre @ (blurred * self.filters).T)
         of_parts = albedo[..., None] * np.stack([TYPICAL_F0, np.ones(2)])
         shares = ((of_parts / of_parts.sum(axis=1, keepdims=True)) ** 2).mean(axis=2)
-        return places, np.stack(of_lobe), np.stack(weights), shares, np.stack(tables)
+        return places, np.stack(of_lobe), solid_angle, np.array(powers), shares, np.stack(tables)
+
+    def weigh(self, floor: float) -> None:
+        """Let errors count by u with s = `floor`."""
+        power = self.powers[:, None, :, None]
+        floored = np.maximum(self.of_lobe, floor * self.of_lobe.max(axis=3, keepdims=True))
+        weights = self.solid_angles[:, None, None] * (power / (1 + power * floored)) ** 2
+        of_lobe, self.weights = (kind.reshape(GRID * GRID, 2, -1) for kind in (self.of_lobe, weights))
+        self.on_lobe = self.weights * of_lobe
+        self.least = -(self.on_lobe * of_lobe).sum(axis=2)  # of no error: that of the weights is added to it
 
     def starts(self) -> list[np.ndarray]:
         r, level = self.roughness, level_of_roughness(self.roughness)
