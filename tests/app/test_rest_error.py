@@ -14,7 +14,7 @@ from waiting import wait_until
 
 from viewer.estimate.paths import path_settings
 from viewer.gpu.context import Context
-from viewer.interact import picture
+from viewer.interact import convergence, picture
 from viewer.interact.orbit import OrbitController
 from viewer.interact.picture import Picture
 from viewer.interact.state import ViewState
@@ -126,6 +126,20 @@ def test_photons_gather_at_rest(glass, monkeypatch):
     assert glass.renderer.photons_each == np.inf
     wait_until(lambda: glass.picture.error.is_begun, glass.step)
     assert 2 <= glass.renderer.photons_each < 3
+
+
+def test_photons_of_the_raster_wait_for_the_paths_beside_it(glass, monkeypatch):
+    """These have photons, too, and take turns with the raster's once they have something to show."""
+    monkeypatch.setattr(picture, "MOST_PHOTONS", 3)
+    monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.0)
+    glass.state.settings = replace(glass.state.settings, denoise="off")
+    glass.state.show_view("path_split")
+    seen: set[float] = set()
+    while glass.picture.paths.picture is None:
+        seen.add(glass.renderer.photons_each)
+        glass.step()
+    assert seen == {0, np.inf}
+    wait_until(lambda: glass.renderer.photons_each >= 3, glass.step)
 
 
 def test_no_slice_waits_for_the_estimate(rest, monkeypatch):

@@ -161,7 +161,9 @@ class Picture:
 
     @property
     def _lacks_photons(self) -> bool:
-        return self.is_refined and self._renderer.photons_each < self._most_photons
+        """Not before paths, which take turns with them, have something to show."""
+        awaits_paths = self._state.shows("path") and self.paths.picture is None and not self._state.paused
+        return self.is_refined and not awaits_paths and self._renderer.photons_each < self._most_photons
 
     def _add_photons(self) -> bool:
         """Go on to trace photons for the picture at rest. Returns whether there are new ones to show."""
