@@ -71,6 +71,13 @@ float scattered_again(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
 #if HAS_ROUGH_GLASS && MULTISCATTER
     if (is_delta(g.alpha)) return 1.0;
     float alpha = min(sqrt(g.alpha.x * g.alpha.y), 1.0), f0 = g.is_thin ? 1.0 : f0_from_eta(g.eta);
+    // The factors are those of an interface that reflects by its index alone. On another they would make light.
+#if IRIDESCENT
+    if (!g.is_thin && g.film > 0.0) return 1.0;
+#endif
+#if HAS_SPECULAR_GLASS
+    if (!g.is_thin && any(greaterThan(abs(vec4(g.f0, g.f90.x) - vec4(vec3(f0), 1.0)), vec4(1e-4)))) return 1.0;
+#endif
     bool is_inside = !g.is_thin && g.eta < 1.0, is_crossing = !g.is_thin && wi.z < 0.0;
     return exp(rough_glass_factor(dfg, wo.z, alpha, f0, is_inside)
                + rough_glass_factor(dfg, wi.z, alpha, f0, is_inside != is_crossing));

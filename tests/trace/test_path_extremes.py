@@ -97,6 +97,17 @@ def test_a_camera_inside_glass(tracer, ior, roughness):
     assert 0.98 < pixels.mean() < 1.01
 
 
+@pytest.mark.parametrize("interface", [
+    {"iridescence": 1.0, "iridescence_ior": 2.4, "iridescence_thickness_maximum": 300.0},
+    {"specular_color": (5.0, 1.0, 0.0)}], ids=["film", "specular colour"])
+def test_rough_glass_with_another_interface_makes_no_light(tracer, interface):
+    model = scene(sphere(segments=96), materials=[replace(GLASS, ior=1.5, perceptual_roughness=0.5, **interface)],
+                  environment=constant())
+    inside = Camera.look_at((0.2, 0.1, 0.3), (1, 0.3, -0.5), fov_y=np.radians(70))
+    pixels = picture(tracer, model, inside, SIZE, spp=128, fresnel="exact")[..., :3]
+    assert pixels.mean(axis=(0, 1)).max() < 1.005
+
+
 def test_a_sun_of_a_hundred_thousand(tracer):
     """One texel has nearly all the light. The floor's radiance is its irradiance over pi, within noise."""
     texels = np.zeros((64, 128, 3), np.float32)
