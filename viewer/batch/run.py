@@ -207,7 +207,8 @@ class Run:
             say(f"{task.model}: is tried again")
             yield replace(attempt, tries=attempt.tries + 1)
             return
-        self.stopped = done.stopped
+        if self.stopped is None:
+            self.stopped = done.stopped
         self.records[attempt.number] = done.records
         if done.part is not None:
             self.sums.add(attempt.number, done.part)
