@@ -192,6 +192,9 @@ def test_info_diff_doctor_and_cache_answer(run, folder, monkeypatch):
     assert "freed" in run("cache", "--clear").out
     monkeypatch.setenv("PBR_VIEWER_CACHE", "off")
     assert run("cache").out == "the cache is switched off\n"
+    monkeypatch.setenv("PBR_VIEWER_CACHE", str(MODEL))
+    outcome = run("cache")
+    assert outcome.status == 1 and outcome.err.startswith(f"pbr-viewer: {MODEL}: is no folder, so nothing is kept")
 
 
 @pytest.mark.parametrize("command", ["view", "render", "info", "diff", "doctor", "cache", ""])

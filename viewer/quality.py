@@ -53,7 +53,7 @@ class Quality:
         """
         kept = frozenset(given)
         told = "quality" if name is not None else VARIABLE
-        name = os.environ.get(VARIABLE, AUTO) if name is None else name
+        name = os.environ.get(VARIABLE) or AUTO if name is None else name
         if name != AUTO:
             if name not in QUALITIES:
                 raise UsageError(f"{told}={name!r}: quality must be one of {', '.join((AUTO, *QUALITIES))}")

@@ -79,6 +79,13 @@ def test_the_quality_comes_back_where_render_would_choose_another(model, monkeyp
     assert settings == state.at_rest
 
 
+def test_an_empty_variable_names_no_quality(model, monkeypatch):
+    monkeypatch.setenv(VARIABLE, "")
+    empty = Quality.of(None, (), Settings(), model, SIZE)
+    monkeypatch.delenv(VARIABLE)
+    assert empty == Quality.of(None, (), Settings(), model, SIZE)
+
+
 def test_the_quality_comes_back_with_what_was_chosen_beside_it(model):
     state = ViewState(model, Settings(), quality=Quality("high"))
     state.choose("refraction", "screen")

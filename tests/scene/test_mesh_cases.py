@@ -287,3 +287,18 @@ def test_corners_of_all_kinds_in_one_file(load):
     assert not normals.uvs and normals.normals.tolist() == [[0, 1, 0]] * 3
     assert uvs.uvs[0].tolist() == [[0.25, 0.5]] * 3 and uvs.normals.tolist() == [[0, 0, 1]] * 3
     assert both.uvs[0].tolist() == [[1, 0]] * 3 and both.normals.tolist() == [[0, 0, 1]] * 3
+
+
+TRIANGLE_OBJ = "v 0 0 0 nan 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 inf\nf 1 2 3\n"
+TRIANGLE_OFF = "COFF\n3 1 0\n0 0 0 nan 0 0 1\n1 0 0 1 0 0 1\n0 1 0 1 0 inf 1\n3 0 1 2\n"
+TRIANGLE_PLY = ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                "property float red\nproperty float green\nproperty float blue\nelement face 1\n"
+                "property list uchar int vertex_indices\nend_header\n"
+                "0 0 0 nan 0 0\n1 0 0 1 0 0\n0 1 0 1 0 inf\n3 0 1 2\n")
+
+
+@pytest.mark.parametrize("name, text", [("a.obj", TRIANGLE_OBJ), ("a.off", TRIANGLE_OFF), ("a.ply", TRIANGLE_PLY)])
+def test_a_colour_that_is_not_finite_is_told(load, name, text):
+    scene = load(name, text)
+    assert scene.warnings == ("2 colours with a number that is not finite; it counts as full",)
+    assert np.isfinite(scene.meshes[0].colors).all()

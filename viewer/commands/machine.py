@@ -6,6 +6,7 @@ import sys
 
 import click
 
+from ..errors import InputError
 from ..jobs.options import JSON_OPTION
 from .output import print_text, write_or_print_json
 
@@ -36,6 +37,8 @@ def cache(clear: bool) -> None:
     folder = cache_folder()
     if folder is None:
         print_text("the cache is switched off")
+    elif folder.exists() and not folder.is_dir():
+        raise InputError(folder, "", "is no folder, so nothing is kept; PBR_VIEWER_CACHE must name one, or be `off`")
     elif clear:
         print_text(f"{folder}: {clear_cache() / 1e6:.1f} MB freed")
     else:

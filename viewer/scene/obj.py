@@ -57,7 +57,7 @@ class _Reader:
         rows = self._table("v")
         self._check_width(rows, "v", 3)
         self.positions = rows.columns(0, 3)
-        self.colors = _vertex_colors(rows)
+        self.colors = _vertex_colors(rows, self.warnings)
         rows = self._table("vt")
         self._check_width(rows, "vt", 1)
         self.uvs = np.zeros((len(rows), 2))
@@ -290,11 +290,12 @@ def _merged(corners: np.ndarray, columns: list[int]) -> tuple[np.ndarray, np.nda
     return corners[is_first], (np.cumsum(is_first) - 1)[same]
 
 
-def _vertex_colors(rows: NumberRows) -> np.ndarray | None:
+def _vertex_colors(rows: NumberRows, warnings: list[str]) -> np.ndarray | None:
     """The linear colours behind positions, white where a vertex has none; None where no vertex has one."""
     has_color = (rows.counts == 6) | (rows.counts == 7)
     if not has_color.any():
         return None
     colors = np.ones((len(rows), 4), np.float32)
-    colors[has_color] = linear_colors(rows.values[rows.starts[:-1][has_color, None] + np.arange(3, 6)])
+    columns = rows.values[rows.starts[:-1][has_color, None] + np.arange(3, 6)]
+    colors[has_color] = linear_colors(columns, warnings=warnings)
     return colors

@@ -55,7 +55,7 @@ def read_off(path: Path, data: bytes, warnings: list[str]) -> RawModel:
     normals = columns(size, 3) if has_normals else None
     at = size + (3 if has_normals else 0)
     channels = 4 if (counts - at - (2 if has_uvs else 0)).min(initial=4) >= 4 else 3
-    colors = linear_colors(columns(at, channels)) if has_colors else None
+    colors = linear_colors(columns(at, channels), warnings=warnings) if has_colors else None
     uvs = columns(at + (channels if has_colors else 0), 2) if has_uvs else None
     mesh = RawMesh(path.stem, positions, normals=normals, uvs=uvs, colors=colors, material=colored(PLAIN, colors))
     if not face_count:
@@ -82,7 +82,7 @@ def _with_faces(path: Path, mesh: RawMesh, values: np.ndarray, starts: np.ndarra
         raise InputError(path, f"face {corner_face[which]}", problem)
     corners = corners.astype(np.int64)
     kept, face = cut_polygons(mesh.positions, corners, sizes, warnings)
-    colors = _face_colors(values, first + 1 + sizes, counts - 1 - sizes)
+    colors = _face_colors(values, first + 1 + sizes, counts - 1 - sizes, warnings)
     if colors is None or mesh.colors is not None:
         return RawMesh(mesh.name, mesh.positions, "triangles", corners[kept], mesh.normals, mesh.uvs, mesh.colors,
                        mesh.material)
@@ -92,12 +92,13 @@ def _with_faces(path: Path, mesh: RawMesh, values: np.ndarray, starts: np.ndarra
                    material=colored(PLAIN, colors))
 
 
-def _face_colors(values: np.ndarray, at: np.ndarray, counts: np.ndarray) -> np.ndarray | None:
+def _face_colors(values: np.ndarray, at: np.ndarray, counts: np.ndarray,
+                 warnings: list[str]) -> np.ndarray | None:
     """(F, 4) linear colours, PLAIN's where a face has none; None where no face has three or four numbers of colour."""
     has_color = (counts == 3) | (counts == 4)
     if not has_color.any():
         return None
     colors = np.tile(np.array(PLAIN.base_color, np.float32), (len(at), 1))
     channels = 3 if (counts[has_color] == 3).any() else 4
-    colors[has_color] = linear_colors(values[at[has_color, None] + np.arange(channels)])
+    colors[has_color] = linear_colors(values[at[has_color, None] + np.arange(channels)], warnings=warnings)
     return colors

@@ -50,14 +50,14 @@ class _Element:
             return None
         return np.stack([self.scalars[name] for name in names], axis=1)
 
-    def colors(self) -> np.ndarray | None:
+    def colors(self, warnings: list[str]) -> np.ndarray | None:
         """(count, 4) linear colours or None. Integers are full at their type's largest number."""
         for names in _COLORS:
             columns = self.columns(names) if names[3] in self.scalars else self.columns(names[:3])
             if columns is not None:
                 kind = next(_TYPES[p.type] for p in self.properties if p.name == names[0])
                 full = {"u1": 255.0, "u2": 65535.0}.get(kind)
-                return linear_colors(columns, full)
+                return linear_colors(columns, full, warnings)
         return None
 
 
@@ -80,7 +80,7 @@ def read_ply(path: Path, data: bytes, warnings: list[str]) -> RawModel:
     positions = vertex.columns(("x", "y", "z")) if vertex is not None else None
     if vertex is None or positions is None:
         raise InputError(path, "header", "there is no element vertex with x, y and z")
-    colors = vertex.colors()
+    colors = vertex.colors(warnings)
     uvs = next((columns for columns in map(vertex.columns, _UVS) if columns is not None), None)
     base = RawMesh(path.stem, positions.astype(np.float64), "points", None, vertex.columns(("nx", "ny", "nz")), uvs,
                    colors, colored(PLAIN, colors))
@@ -298,7 +298,7 @@ def _faces(path: Path, base: RawMesh, element: _Element, warnings: list[str]) ->
         if not has_uvs.all():
             warnings.append("texcoord: some faces have none, or not two numbers for each corner; all are left out")
             uvs = None
-    colors = element.colors() if base.colors is None else None
+    colors = element.colors(warnings) if base.colors is None else None
     if uvs is None and colors is None:
         return mesh
     mesh = replace(mesh.picked(corners[kept]), indices=None)

@@ -84,8 +84,9 @@ def finite_part(mesh: RawMesh, warnings: list[str]) -> RawMesh | None:
         indices = indices[: len(indices) // corners * corners].reshape(-1, corners)
         whole = finite[indices].all(axis=1)
         if not whole.all():
-            warnings.append(f"{np.count_nonzero(~whole)} {mesh.topology} with a position that is not a finite number; "
-                            "they are left out")
+            lost = np.count_nonzero(~whole)
+            warnings.append(f"{lost} {mesh.topology[:None if lost > 1 else -1]} with a position that is not a finite "
+                            f"number; {'they are' if lost > 1 else 'it is'} left out")
         source, renumbered = np.unique(indices[whole], return_inverse=True)
         smoothing = None if mesh.smoothing is None else mesh.smoothing[whole]
         mesh = replace(mesh.picked(source), indices=renumbered.ravel(), smoothing=smoothing)
@@ -145,13 +146,16 @@ def textured(material: Material, image: TextureImage) -> Material:
     return replace(material, base_color=(1.0, 1.0, 1.0, 1.0), base_color_texture=Texture(image))
 
 
-def linear_colors(columns: np.ndarray, full: float | None = None) -> np.ndarray:
+def linear_colors(columns: np.ndarray, full: float | None = None, warnings: list[str] | None = None) -> np.ndarray:
     """sRGB colours with linear alpha, (N, 3 or 4) numbers, as (N, 4) float32 linear.
 
-    `full` is the number that means 1; without it, it is 255 where any number is above 1, else 1. What is not a finite
-    number counts as full.
+    `full` is the number that means 1; without it, it is 255 where any number is above 1, else 1. NaN and infinity count
+    as full, which is told in `warnings`.
     """
     columns = np.asarray(columns, np.float64)
+    lost = int(np.count_nonzero(~np.isfinite(columns).all(axis=1)))
+    if lost and warnings is not None:
+        warnings.append(f"{lost} colour{'s' * (lost > 1)} with a number that is not finite; it counts as full")
     if full is None:
         full = 255.0 if columns.max(initial=0, where=np.isfinite(columns)) > 1 else 1.0
     scaled = np.clip(np.nan_to_num(columns / full, nan=1.0, posinf=1.0), 0, 1)
