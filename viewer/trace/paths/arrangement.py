@@ -45,6 +45,7 @@ class Arrangement:
         self._home, self._finds_places = numbers, finds_places
         self._next: NDArray[np.intp] = numbers[:0]
         self._used = self.rows = self.next_rows = 0
+        self._is_shown = False
         self.ended_rows = 0, 0
         """The first row, and the number of rows, of the next state that have all paths which have ended."""
 
@@ -68,9 +69,14 @@ class Arrangement:
         """The next state has become the present one."""
         self._home[:len(self._next)] = self._next
         self.rows = self.next_rows
-        self._show()
+        self._is_shown = False
 
     def _show(self) -> None:
+        """Write where the homes of the present state are. To write it before the last shading is done would wait for
+        that."""
+        if self._is_shown:
+            return
+        self._is_shown = True
         homes = self.homes(0, self.rows)
         self._write("u_home", self._texels[homes])
         if self._finds_places:
@@ -111,11 +117,12 @@ class Arrangement:
         home[elsewhere] = there[~begun[there]]
         home[first:first + count] = self.homes_of[blocks].ravel()
         self.rows = max(self.rows, row + rows)
-        self._show()
+        self._is_shown = False
         return row, rows
 
     def bind(self) -> None:
         """Bind the textures to their units."""
+        self._show()
         for name, texture in self._textures.items():
             texture.use(UNITS[name])
 
