@@ -10,7 +10,8 @@ from planning import BOX, ENVIRONMENT, MAP, PLAIN, SUN, code, plan, scene
 
 from benchmarks.shader_code import lines_left
 from viewer.errors import UsageError
-from viewer.plan.planner import MAX_LIGHTS, MAX_SHADOW_LAYERS
+from viewer.plan.planner import MAX_LIGHTS
+from viewer.plan.shadow_layers import MAX_SHADOW_LAYERS
 from viewer.plan.sharing import MIN_PROGRAMS_TO_SHARE
 from viewer.plan.warnings import picture_warnings
 from viewer.scene.light import Light
@@ -57,6 +58,16 @@ def test_lights_are_ordered_bounded_and_dark_ones_dropped():
     many = plan(scene(lights=tuple(Light("point", intensity=1.0 + k) for k in range(200))))
     assert len(many.lights) == MAX_LIGHTS and min(light.intensity for light in many.lights) == 200 - MAX_LIGHTS + 1
     assert many.shadow_layer_count <= MAX_SHADOW_LAYERS
+
+
+def test_shadow_maps_go_to_the_lights_that_are_brightest_at_the_scene():
+    """A far lamp of more candela gives less light than a near one; a sun has its tile before all lamps."""
+    near = [Light("point", intensity=1.0 + k, position=(0, 3, 0)) for k in range(11)]
+    found = plan(scene(lights=(Light("point", intensity=50.0, position=(0, 300, 0)), *near, SUN)))
+    with_map = {light.intensity for light, layer in zip(found.lights, found.shadow_layers, strict=True) if layer >= 0}
+    assert with_map == {SUN.intensity} | {light.intensity for light in near[1:]}
+    assert [layer for layer in found.shadow_layers if layer >= 0] == [0, *range(1, 61, 6)]
+    assert "shadow maps of 2 lights: there is room for 64 tiles" in found.left_out
 
 
 def test_background():
@@ -148,8 +159,10 @@ def test_lights_that_do_not_fit_are_told():
     many = plan(scene(lights=(Light("point"),) * (MAX_LIGHTS + 7)))
     assert f"the 7 faintest of {MAX_LIGHTS + 7} lights: a program can have no more" in many.left_out
     crowd = scene(lights=(Light("point"),) * (MAX_LIGHTS + 7))
-    [warning] = picture_warnings(crowd, Settings())
-    assert f"only the {MAX_LIGHTS} brightest of {MAX_LIGHTS + 7} lights are shown" in warning
+    shown, shadows = picture_warnings(crowd, Settings())
+    assert f"only the {MAX_LIGHTS} brightest of {MAX_LIGHTS + 7} lights are shown" in shown
+    assert shadows == f"only the 10 brightest of {MAX_LIGHTS} lights cast shadows; in mode path all do"
+    assert [shown] == picture_warnings(crowd, Settings(shadows="off"))
     assert not picture_warnings(crowd, Settings(mode="path")) and not picture_warnings(scene(lights=(SUN,)), Settings())
     assert "will be black" in picture_warnings(scene(), Settings())[0]
 

@@ -30,6 +30,7 @@ from .curves import FIBRE_PIXELS, PLY_PIXELS
 from .media import MAX_VOLUMES
 from .model import LAYERS_LEFT_OUT, Draw, Plan
 from .samplers import MAX_SAMPLERS
+from .shadow_layers import MAX_SHADOW_LAYERS
 
 _LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats per texel
 _LEVELS_BAKE_S = 0.11
@@ -148,6 +149,8 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if plan.lights and not plan.shadow_layer_count:
         reason = "they are switched off" if settings.shadows == "off" else "no light casts shadows"
         lines.append(f"shadow maps: {reason}; saves {_TILE_MB:.0f} MB per tile")
+    elif lost := sum(light.casts_shadow and k < 0 for light, k in zip(plan.lights, plan.shadow_layers, strict=True)):
+        lines.append(f"shadow maps of {_count(lost, 'light')}: there is room for {MAX_SHADOW_LAYERS} tiles")
     for kind in _KINDS:
         if plan.lights and not any(light.kind == kind for light in plan.lights):
             lines.append(f"code for {kind} lights: there are none")

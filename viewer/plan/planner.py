@@ -33,12 +33,12 @@ from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, hides_light, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, THIN_WALLED, Draw, Plan, Program
 from .samplers import within_limit
+from .shadow_layers import shadow_layers
 from .sharing import attributes_of, include_everything, share_programs
 from .views import plan_view
 
 MAX_LIGHTS = 128
 """The most lights in one program. They fit in a uniform block of 16 KiB, the least that OpenGL 3.3 guarantees."""
-MAX_SHADOW_LAYERS = 24
 TRACED_ROUGHNESS = 1.0
 """Surfaces of this perceptual roughness or more trace no reflections: traced_share() in
 shaders/raster/traced_reflection.glsl is 0 there."""
@@ -89,8 +89,9 @@ def plan_scene(
     instances = instances_of(scene)
     lit = [is_lit(scene.meshes[mesh], scene.materials[scene.meshes[mesh].material]) for mesh in instances]
     curves = draws_curves(scene, settings)
-    shown_lights = _ordered_lights(lights) if any(lit) or curves or has_media(scene, settings) else ()
-    layers, layer_count = _shadow_layers(shown_lights, settings, bool(scene.instances) or curves)
+    shown_lights = ordered_lights(lights) if any(lit) or curves or has_media(scene, settings) else ()
+    has_shadows = settings.shadows == "on" and (bool(scene.instances) or curves)
+    layers, layer_count = shadow_layers(shown_lights, scene) if has_shadows else ((-1,) * len(shown_lights), 0)
     environment, reflections = environment_use(scene, settings)
     photons = settings.caustics == "photons" and settings.mode == "pbr"
     has_open_panes = any(is_clear(material, settings) for material in scene.materials) and not (
@@ -152,7 +153,7 @@ def plan_scene(
     return replace(plan, **explain(plan, scene, settings, lights))
 
 
-def _ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
+def ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
     """The lights that shaders get: directional, point, then spot lights. Lights without intensity are dropped, and so
     are all but the MAX_LIGHTS brightest."""
     bright = [light for light in lights if light.intensity * max(light.color) > 0]
@@ -160,19 +161,6 @@ def _ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
         bright = sorted(bright, key=lambda light: -light.intensity * max(light.color))[:MAX_LIGHTS]
     order = ("directional", "point", "spot")
     return tuple(sorted(bright, key=lambda light: order.index(light.kind)))
-
-
-def _shadow_layers(lights: Sequence[Light], settings: Settings, has_casters: bool) -> tuple[tuple[int, ...], int]:
-    """The first shadow layer of each light, or -1 if it has none, and the number of layers."""
-    first, used = [], 0
-    for light in lights:
-        needed = 6 if light.kind == "point" else 1
-        if has_casters and settings.shadows == "on" and light.casts_shadow and used + needed <= MAX_SHADOW_LAYERS:
-            first.append(used)
-            used += needed
-        else:
-            first.append(-1)
-    return tuple(first), used
 
 
 def _has_indirect(scene: Scene, settings: Settings) -> bool:

@@ -12,7 +12,8 @@ from ..scene.volume import mean_collisions, volume_medium
 from ..scene.winding import winding_number
 from ..settings import Settings
 from .media import MAX_VOLUMES
-from .planner import MAX_LIGHTS, is_lit
+from .planner import MAX_LIGHTS, is_lit, ordered_lights
+from .shadow_layers import shadow_layers
 
 MANY_COLLISIONS = 100.0
 """Of a path in a volume. More are worth a warning, since each takes about the time of a reflection."""
@@ -47,6 +48,12 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
     if lights > MAX_LIGHTS and not is_traced:
         lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")
+    if settings.shadows == "on" and scene.instances and not (is_traced or settings.shows_values):
+        shown = ordered_lights(scene.lights)
+        casting = sum(light.casts_shadow for light in shown)
+        with_map = sum(layer >= 0 for layer in shadow_layers(shown, scene)[0])
+        if with_map < casting:
+            lines.append(f"only the {with_map} brightest of {casting} lights cast shadows; in mode path all do")
     lines += [f"volume {volume.name!r} is 0 everywhere: there is nothing to draw" for volume in scene.volumes
               if not volume.maximum]
     if is_traced:

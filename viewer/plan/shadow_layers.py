@@ -1,0 +1,45 @@
+"""Which lights have shadow maps, and where in the atlas: the brightest that its tiles are enough for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..scene.light import Light
+from ..scene.scene import Scene
+
+MAX_SHADOW_LAYERS = 64
+"""Tiles of the atlas, which are 512 x 512 texels then (viewer/raster/shadows.py)."""
+
+
+def shadow_layers(lights: Sequence[Light], scene: Scene) -> tuple[tuple[int, ...], int]:
+    """The first layer of each light, or -1 if it has none, and the number of layers: six for a point light.
+
+    Where they are not enough for all lights that cast shadows, those that are brightest at the scene come first.
+    """
+    chosen, used = set(), 0
+    casting = [k for k, light in enumerate(lights) if light.casts_shadow]
+    for k in sorted(casting, key=lambda k: -_illuminance(lights[k], scene)):
+        if used + _needed(lights[k]) <= MAX_SHADOW_LAYERS:
+            chosen.add(k)
+            used += _needed(lights[k])
+    first, used = [], 0
+    for k, light in enumerate(lights):
+        first.append(used if k in chosen else -1)
+        used += _needed(light) * (k in chosen)
+    return tuple(first), used
+
+
+def _needed(light: Light) -> int:
+    return 6 if light.kind == "point" else 1
+
+
+def _illuminance(light: Light, scene: Scene) -> float:
+    """In lux, at the centre of the scene; of a lamp within the scene's sphere, at the sphere's radius from it."""
+    bright = light.intensity * max(light.color)
+    if light.kind == "directional":
+        return bright
+    distance = max(float(np.linalg.norm(np.subtract(light.position, scene.center))), scene.radius)
+    return bright / distance / distance if math.isfinite(distance) else 0.0
