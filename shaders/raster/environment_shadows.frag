@@ -17,6 +17,9 @@ layout(std140) uniform FarLights {
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
 uniform sampler2DShadow u_atlas;
+#if TINTED
+uniform sampler2D u_tints; // raster/sky_tint.frag, in tiles at the same places
+#endif
 uniform float u_least_alpha; // of the specular lobe
 uniform vec3 u_view_direction; // towards the eye
 
@@ -52,8 +55,14 @@ void main() {
         // Offset along the normal by the footprint of the shadow filter, which grows at grazing angles
         float offset = light.direction.w * (1.5 * sqrt(max(1.0 - facing * facing, 0.0)) + 0.5);
         vec4 p = vec4(surface.xyz + offset * n_geometric, 1.0);
-        float visible = textureLod(u_atlas, vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p)), 0.0);
+        vec3 place = vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p));
+        float visible = textureLod(u_atlas, place, 0.0);
         o_unshadowed += unshadowed;
+#if TINTED
+        vec4 glass = textureLod(u_tints, place.xy, 0.0);
+        vec3 tint = place.z > glass.a ? exp(-max(glass.rgb, 0.0)) : vec3(1.0);
+        unshadowed *= vec4(tint, luminance(tint));
+#endif
         o_shadowed += facing > 0.0 ? visible * unshadowed : vec4(0.0);
 #if ESTIMATED
         vec4 reflected = vec4(light.reflected.rgb, lobe * luminance(light.reflected.rgb)) * NoL;

@@ -6,7 +6,7 @@
 
 #if PANE
 #include "bsdf/bsdf.glsl"
-#include "bsdf/fresnel.glsl"
+#include "raster/straight_through.glsl"
 #include "sample/luminance.glsl"
 in vec3 v_position;
 uniform vec4 u_light; // where it is, in scene units; w = 0: its direction; all 0: panes stop it
@@ -18,8 +18,7 @@ float passed(MaterialInputs m) {
     if (is_delta(vec2(alpha)) && u_light != vec4(0.0)) {
         vec3 n = cross(dFdx(v_position), dFdy(v_position)), l = u_light.xyz - u_light.w * v_position;
         float mu = abs(dot(n, l)) / max(length(n) * length(l), 1e-30);
-        float R = m.specular * f_dielectric(min(mu, 1.0), m.ior);
-        return m.transmission * (1.0 - m.metallic) * luminance(m.base_color.rgb) * (1.0 - 2.0 * R / (1.0 + R));
+        return straight_through(m, min(mu, 1.0)) * luminance(m.base_color.rgb);
     }
     return 0.0;
 }

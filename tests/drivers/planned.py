@@ -21,6 +21,7 @@ from viewer.raster.surface_programs import (
     gbuffer_program,
     path_program,
     shadow_program,
+    tint_program,
     vertex_of,
 )
 from viewer.scene.environment import Environment
@@ -60,6 +61,9 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
         if plan.shadow_layer_count or plan.environment_shadows:
             shadow = shadow_program(draw)
             yield SHADOW_VERTEX, shadow.fragment, shadow.switches
+        if plan.tints_sky and not draw.hides_sky:
+            tint = tint_program(draw)
+            yield SHADOW_VERTEX, tint.fragment, tint.switches
         if draw.is_in_gbuffer:
             gbuffer = gbuffer_program(draw.program)
             yield VERTEX, gbuffer.fragment, gbuffer.switches

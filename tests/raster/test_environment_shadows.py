@@ -10,11 +10,14 @@ from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic,
 
 from viewer.bake.many_lights import many_lights
 from viewer.bake.prefilter import prefilter
+from viewer.plan.planner import plan_scene
 from viewer.raster.renderer import Renderer
+from viewer.scene.camera import Camera
 from viewer.scene.curves import Curves
 from viewer.scene.light import Light
+from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
-from viewer.scene.scene import Instance
+from viewer.scene.scene import Instance, Scene
 from viewer.settings import Settings
 
 SIZE = (48, 48)
@@ -54,6 +57,41 @@ def test_strands_side_by_side_hide_what_a_wall_does(radiance):
     beside = expected_and_place()[1] > 0.15
     found, wall = (radiance(model, VIEW, SIZE, environment_shadows="64")[..., 0] for model in (floor, corner()))
     assert np.sqrt(np.mean((found - wall)[beside]**2)) < 0.03 and wall[beside].min() < 0.75
+
+
+def slab(thickness: float) -> Mesh:
+    """An endless one, as good as, from y = 0 up."""
+    top = np.float32([[-20, thickness, -20], [-20, thickness, 20], [20, thickness, 20], [20, thickness, -20]])
+    return Mesh("slab", np.concatenate([top, top * np.float32([1, 0, 1])]), 1,
+                indices=np.uint32([0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6]),
+                normals=np.float32([[0, 1, 0]] * 4 + [[0, -1, 0]] * 4))
+
+
+@pytest.mark.parametrize("hand", [1, -1])
+def test_a_slab_absorbs_what_it_does_on_its_way_straight_on(radiance, hand):
+    """An index of 1 reflects nothing. 2 E_3(sigma d) of the light arrives, the integral of 2 mu exp(-sigma d / mu)."""
+    body = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, ior=1.0, thickness=0.5,
+                    attenuation_distance=0.5, attenuation_color=(0.8, 0.4, 0.1))
+    model = scene((plate(0, half=2.0), facing_floor()), (slab(0.5), moved((0, 1, 0), (hand, 1, 1))),
+                  materials=[WHITE, body], environment=constant())
+    below = Camera.look_at((0, 0.5, 0), (0, 0, 1e-3))
+    found = radiance(model, below, (8, 8), environment_shadows="64")[..., :3]
+    mu = (np.arange(1000)[:, None] + 0.5) / 1000
+    expected = (2 * mu * np.exp(np.log([0.8, 0.4, 0.1]) / mu)).mean(axis=0)
+    assert np.abs(found - expected).max() < 0.006
+    wall = replace(body, thickness=0.0, base_color=(0.9, 0.5, 0.1, 1.0))
+    pane = replace(model, meshes=(model.meshes[0], plate(1, half=20.0)), materials=(WHITE, wall),
+                   instances=(model.instances[0], Instance(1, moved((0, 1, 0), (hand, 1, 1)) @ facing_floor())))
+    assert np.abs(radiance(pane, below, (8, 8), environment_shadows="64")[..., :3] - [0.9, 0.5, 0.1]).max() < 0.01
+
+
+def test_only_scenes_with_glass_have_tints():
+    def tints_sky(model: Scene, lights: str) -> bool:
+        settings = Settings(environment_shadows=lights)
+        return plan_scene(model, settings, (), samples=1, half_target=True, orthographic=True).tints_sky
+
+    glass = replace(corner(), materials=(WHITE, replace(WHITE, transmission=1.0)))
+    assert [tints_sky(corner(), "16"), tints_sky(glass, "16"), tints_sky(glass, "off")] == [False, True, False]
 
 
 def test_more_lights_are_nearer(radiance):
@@ -155,7 +193,8 @@ def test_large_pictures_are_interpolated_from_a_bounded_number_of_points(radianc
 def test_maps_that_lie_where_those_of_other_scenes_lay_are_the_same(renderer, context):
     """16 lights and 64 fill textures of one size; 256 take four, and in between a scene has none."""
     shots = [(scene((sphere(), np.eye(4)), (plate(0, half=2.0), facing_floor()), environment=lopsided()), "64"),
-             (corner(environment=lopsided()), "16"), (corner(environment=lopsided()), "256"), (corner(), "off")]
+             (corner(environment=lopsided()), "16"), (corner(environment=lopsided()), "256"), (corner(), "off"),
+             (replace(corner(), materials=(WHITE, replace(BLACK, transmission=1.0))), "64")]
 
     def draw(renderer: Renderer, k: int) -> np.ndarray:
         model, lights = shots[k]
@@ -166,7 +205,7 @@ def test_maps_that_lie_where_those_of_other_scenes_lay_are_the_same(renderer, co
         other = Renderer(context)
         fresh.append(draw(other, k))
         other.release()
-    for k in (0, 1, 0, 2, 1, 3, 0):
+    for k in (0, 1, 0, 2, 1, 3, 0, 4, 0, 4):
         assert np.array_equal(draw(renderer, k), fresh[k])
     assert renderer.context.gl.error == "GL_NO_ERROR"
 

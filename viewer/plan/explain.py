@@ -82,7 +82,8 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
         lines.append("ambient occlusion, from the depth buffer")
     elif plan.has_visibility:
         lines.append(f"shadows of the environment, from {_count(plan.environment_shadows, 'light')} sampled from it"
-                     + "; what hides one reflects as the mean of all surfaces" * plan.estimates_indirect)
+                     + "; what hides one reflects as the mean of all surfaces" * plan.estimates_indirect
+                     + "; glass tints them" * plan.tints_sky)
     if plan.has_traced_reflections:
         lines.append("traced reflections of the model: one ray per shaded point, lit by light baked at the vertices")
     if plan.has_traced_refraction:

@@ -212,6 +212,11 @@ class Plan:
         return any(draw.uses_visibility for draw in self.kinds)
 
     @property
+    def tints_sky(self) -> bool:
+        """Whether shadows of the environment show what its light keeps on its way through glass."""
+        return self.environment_shadows > 0 and any(not draw.hides_sky for draw in self.kinds)
+
+    @property
     def has_traced_reflections(self) -> bool:
         """Whether a pass traces reflections of the model."""
         return any(draw.traces_reflections for draw in self.kinds)

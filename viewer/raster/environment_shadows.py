@@ -3,7 +3,8 @@
 The light itself still comes from the filtered environment; the ratio of shadowed to unshadowed light of the samples
 multiplies it (Heitz, Hill & McGuire 2018, "Combining Analytic Direct Illumination and Stochastic Shadows"). So
 unoccluded surfaces have no noise, and with more samples the picture converges to direct light. In fog, light comes from
-more sides: the ratio is that of what arrives in the middle of the scene.
+more sides: the ratio is that of what arrives in the middle of the scene. What lets light through has tints in the place
+of depths.
 """
 
 from __future__ import annotations
@@ -25,13 +26,14 @@ from .gbuffer import UNIT_NORMALS
 from .media_light import MediaLight
 from .shadows import Atlas, Casters, directional_tiles
 from .sky_shadows import mean_reflectance, reflected
+from .sky_tints import TintAtlas
 
 BATCH = 64
 ROOM = 1 << 26
 """Texels of depth for all lights together; they take 256 MB."""
 MAX_TILE = 1024
 """For most models, 16 lights with tiles of 1024 x 1024 texels have a smaller error than 256 lights with 256 x 256."""
-UNIT_ATLAS = UNIT_NORMALS + 1
+UNIT_ATLAS, UNIT_TINTS = UNIT_NORMALS + 1, UNIT_NORMALS + 2
 BINDING = 2
 """The binding of the uniform block, after those of lights and shadows."""
 
@@ -51,12 +53,15 @@ class EnvironmentShadows:
         tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)
         counts = [min(BATCH, self._count - first) for first in range(0, self._count, BATCH)]
         self._atlases: list[Atlas] = []
+        self._tints: list[TintAtlas] = []
         if before is not None:
             self._atlases, before._atlases = before._atlases, []
+            before.release()
         if len(self._atlases) != len(counts) or not all(
                 atlas.lay_out(count, tile_size) for atlas, count in zip(self._atlases, counts, strict=True)):
             self.release()
             self._atlases = [Atlas(gl, count, tile_size) for count in counts]
+        self._tints = [TintAtlas(gl, atlas) for atlas in self._atlases if plan.tints_sky]
         self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
         self._reflectance = np.zeros(3)
         self._scene: Scene | None = None
@@ -81,13 +86,14 @@ class EnvironmentShadows:
         self._scene, self._fog = scene, fog
 
     def _draw(self, scene: Scene, plan: Plan) -> None:
-        draws = [d for d in plan.draws if d.hides_sky]
         lights = self._lights
         self._batches = []
         for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):
             part = slice(first, first + BATCH)
             tiles = directional_tiles(-lights.directions[part], scene, atlas.tile_size)
-            atlas.draw(scene, tiles, draws, self._casters)
+            atlas.draw(scene, tiles, [d for d in plan.draws if d.hides_sky], self._casters)
+            if self._tints:
+                self._tints[first // BATCH].draw(scene, tiles, plan, self._casters)
             matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
             rows = np.zeros((len(tiles), 6, 4))
             rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]
@@ -100,21 +106,25 @@ class EnvironmentShadows:
     def holds(self, environment: EnvironmentLight, plan: Plan) -> bool:
         """Whether these are the lights that `plan` needs of `environment`."""
         return (environment is self._environment and environment.environment.rotation == self._rotation
-                and self._count == plan.environment_shadows and self._estimates == plan.estimates_indirect)
+                and self._count == plan.environment_shadows and self._estimates == plan.estimates_indirect
+                and bool(self._tints) == plan.tints_sky)
 
     def add(self, programs: Programs, frame: Frame, uniforms: dict[str, object]) -> None:
         """Add shadowed and unshadowed light to the two targets of the framebuffer in use, by blending."""
         from_eye = np.eye(4)
         from_eye[:3, 3] = (frame.camera.eye - frame.scene.center) / frame.unit
-        for atlas, matrices, rows in self._batches:
+        for k, (atlas, matrices, rows) in enumerate(self._batches):
             rows[:, :3] = (matrices @ from_eye)[:, :3]
             program = programs.get("display/fullscreen.vert", "raster/environment_shadows.frag", {
-                "LIGHTS": len(rows), "ESTIMATED": int(self._estimates),
+                "LIGHTS": len(rows), "ESTIMATED": int(self._estimates), "TINTED": int(bool(self._tints)),
                 "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
             for name, value in uniforms.items():
                 set_uniform(program, name, value)
             atlas.texture.use(UNIT_ATLAS)
             set_uniform(program, "u_atlas", UNIT_ATLAS)
+            if self._tints:
+                self._tints[k].texture.use(UNIT_TINTS)
+                set_uniform(program, "u_tints", UNIT_TINTS)
             set_uniform(program, "u_least_alpha", min(2.0 / self._count**0.5, 1.0))
             block = self._gl.buffer(rows.astype(np.float32))
             block.bind_to_uniform_block(BINDING)
@@ -123,9 +133,9 @@ class EnvironmentShadows:
             block.release()
 
     def release(self) -> None:
-        for atlas in self._atlases:
+        for atlas in (*self._atlases, *self._tints):
             atlas.release()
-        self._atlases = []
+        self._atlases, self._tints = [], []
 
 
 def _to_atlas(atlas: Atlas, k: int) -> np.ndarray:

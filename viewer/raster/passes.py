@@ -46,7 +46,8 @@ class Passes:
         self._context, self._gl, self._programs, self._depth = context, gl, programs, depth
         self._prepared, self._watch = prepared, watch
         self.curves = CurvePass(context, programs, depth)
-        self._casters = Casters(SurfaceCasters(programs, prepared.surfaces).prepare, self.curves.draw_depth)
+        meshes = SurfaceCasters(programs, prepared.surfaces)
+        self._casters = Casters(meshes.prepare, meshes.prepare_tint, self.curves.draw_depth)
         self._shadows = KeptShadowMaps(gl, self._casters)
         self._uniforms = FrameUniforms(gl, prepared, self._shadows)
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}

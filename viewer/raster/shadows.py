@@ -24,14 +24,20 @@ _KEPT = 2
 """The maps of how many plans are kept: a window that is split between two modes draws with two in turn."""
 
 
+PrepareMesh = Callable[[Draw, np.ndarray], Callable[[np.ndarray, np.ndarray], None]]
+"""It gets instances of a mesh and the matrix from the world to scene units about the scene's centre. It returns what
+draws them, until it is called for the next ones, by the matrix from the world to clip space and the light's place in
+scene units."""
+
+
 @dataclass(frozen=True)
 class Casters:
-    """How what casts shadows is drawn. `prepare_mesh` gets instances of a mesh and the matrix from the world to scene
-    units about the scene's centre. It returns what draws them, until it is called for the next ones, by the matrix from
-    the world to clip space and the light's place in scene units. `draw_curves` draws all curves, by a matrix from the
-    world to clip space, into a tile of so many texels."""
+    """How what casts shadows is drawn. `prepare_mesh` draws depths of meshes, and `prepare_tint` what light keeps in
+    those that let it through. `draw_curves` draws all curves, by a matrix from the world to clip space, into a tile of
+    so many texels."""
 
-    prepare_mesh: Callable[[Draw, np.ndarray], Callable[[np.ndarray, np.ndarray], None]]
+    prepare_mesh: PrepareMesh
+    prepare_tint: PrepareMesh
     draw_curves: Callable[[np.ndarray, int], None]
 
 
@@ -76,19 +82,11 @@ class Atlas:
         framebuffer.clear(depth=1.0)
         gl.enable_only(moderngl.DEPTH_TEST)
         gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: the rounding error of the depth map
-        to_center = np.eye(4) / scene.radius
-        to_center[:3, 3], to_center[3, 3] = -scene.center / scene.radius, 1.0
-        views = [((*self.corner(k), self.tile_size, self.tile_size), tile.matrix @ to_center)
-                 for k, tile in enumerate(tiles)]
-        for draw in draws:  # the outer loop, since another mesh takes longer than another tile
-            if scene.meshes[draw.mesh].topology == "triangles":
-                draw_mesh = casters.prepare_mesh(draw, to_center)
-                for (viewport, matrix), tile in zip(views, tiles, strict=True):
-                    framebuffer.viewport = viewport
-                    draw_mesh(matrix, tile.place)
-        for viewport, matrix in views:
+        viewports = [(*self.corner(k), self.tile_size, self.tile_size) for k in range(len(tiles))]
+        draw_meshes(framebuffer, viewports, scene, tiles, draws, casters.prepare_mesh)
+        for viewport, tile in zip(viewports, tiles, strict=True):
             framebuffer.viewport = viewport
-            casters.draw_curves(matrix, self.tile_size)
+            casters.draw_curves(tile.matrix @ _to_center(scene), self.tile_size)
         gl.polygon_offset = 0.0, 0.0
 
     def corner(self, k: int) -> tuple[int, int]:
@@ -98,6 +96,26 @@ class Atlas:
     def release(self) -> None:
         self._framebuffer.release()
         self.texture.release()
+
+
+def draw_meshes(framebuffer: moderngl.Framebuffer, viewports: Sequence[tuple[int, int, int, int]], scene: Scene,
+                tiles: Sequence[Tile], draws: Sequence[Draw], prepare: PrepareMesh) -> None:
+    """Draw the triangles of `draws` into every tile, whose place in the framebuffer is one of `viewports`."""
+    to_center = _to_center(scene)
+    matrices = [tile.matrix @ to_center for tile in tiles]
+    for draw in draws:  # the outer loop, since another mesh takes longer than another tile
+        if scene.meshes[draw.mesh].topology == "triangles":
+            draw_mesh = prepare(draw, to_center)
+            for viewport, matrix, tile in zip(viewports, matrices, tiles, strict=True):
+                framebuffer.viewport = viewport
+                draw_mesh(matrix, tile.place)
+
+
+def _to_center(scene: Scene) -> np.ndarray:
+    """The matrix from the world to scene units about the scene's centre."""
+    matrix = np.eye(4) / scene.radius
+    matrix[:3, 3], matrix[3, 3] = -scene.center / scene.radius, 1.0
+    return matrix
 
 
 def _layout(count: int, max_tile: int) -> tuple[int, tuple[int, int]]:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
+import moderngl
 import numpy as np
 
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
-from ..plan.model import Draw
+from ..plan.model import Draw, Program
 from ..scene.scene import Scene
-from .surface_programs import SHADOW_VERTEX, shadow_maps_of, shadow_program
+from ..scene.transform import handedness
+from .geometry import MeshBuffers
+from .surface_programs import SHADOW_VERTEX, TINT_MAPS, shadow_maps_of, shadow_program, tint_program
 from .surfaces import Surfaces
 
 
@@ -27,13 +30,10 @@ class SurfaceCasters:
         What is returned draws them, until this is called again, by a matrix that takes the world to clip space, and the
         light, which has its place (4,) in scene units, or is as far as its direction (0 last); 0 where panes stop it.
         """
-        wanted = shadow_program(draw)
-        program = self._programs.get(SHADOW_VERTEX, wanted.fragment, dict(wanted.switches))
-        mesh, scene = self._surfaces.mesh(draw.mesh), self._surfaces.scene
-        if maps := shadow_maps_of(draw):
+        program, mesh = self._use(shadow_program(draw), draw, shadow_maps_of(draw))
+        scene = self._surfaces.scene
+        if shadow_maps_of(draw):
             set_uniform(program, "u_caster", self._number(draw.instance))
-            self._surfaces.materials.set_maps(
-                program, draw, [name for name in maps if wanted[f"{name.upper()}_MAP"]])
         if draw.instances:
             parts = [(part, part.show(scene.center)) for part in mesh.instances(scene, draw.instances)]
             from_unit = np.linalg.inv(to_unit)
@@ -55,6 +55,33 @@ class SurfaceCasters:
             mesh.draw(program)
 
         return draw_depth
+
+    def prepare_tint(self, draw: Draw, to_unit: np.ndarray) -> Callable[[np.ndarray, np.ndarray], None]:
+        """As `prepare`, to draw what light keeps on its way through an instance of glass."""
+        program, mesh = self._use(tint_program(draw), draw, TINT_MAPS)
+        scene = self._surfaces.scene
+        transform = scene.instances[draw.instance].transform
+        center = (scene.corners[draw.instance].mean(axis=0) - scene.center) / scene.radius
+        set_uniform(program, "u_model_to_unit", matrix_uniform(to_unit @ transform @ mesh.to_mesh))
+        set_uniform(program, "u_center", tuple(center))
+        set_uniform(program, "u_absorption", tuple(draw.surface.extinction * scene.radius))
+
+        def draw_tint(matrix: np.ndarray, light: np.ndarray) -> None:
+            from_model = matrix @ transform
+            set_uniform(program, "u_model_to_light", matrix_uniform(from_model @ mesh.to_mesh))
+            set_uniform(program, "u_light", tuple(light))
+            set_uniform(program, "u_front", -handedness(from_model))  # depth grows away from the light
+            mesh.draw(program)
+
+        return draw_tint
+
+    def _use(self, wanted: Program, draw: Draw, maps: Sequence[str]) -> tuple[moderngl.Program, MeshBuffers]:
+        """A program with the draw's material and those of `maps` that it has, and the mesh."""
+        program = self._programs.get(SHADOW_VERTEX, wanted.fragment, dict(wanted.switches))
+        if maps:
+            self._surfaces.materials.set_maps(
+                program, draw, [name for name in maps if wanted[f"{name.upper()}_MAP"]])
+        return program, self._surfaces.mesh(draw.mesh)
 
     def _number(self, instance: int) -> int:
         """The number of a blended instance among all that cast shadows: by where it stands, not by its place in the

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ..plan.layers import FRAGMENT as LAYER_FRAGMENT
 from ..plan.layers import VERTEX as LAYER_VERTEX
@@ -11,6 +11,8 @@ from ..scene.schema import MAP_SWITCHES, no_switches
 
 VERTEX, SHADOW_VERTEX = "raster/surface.vert", "raster/shadow.vert"
 FULLSCREEN = "display/fullscreen.vert"
+TINT_MAPS = "base_color", "metallic_roughness", "transmission"
+"""The maps that decide how much light glass lets through."""
 TRIANGLES = Program("raster/triangles.frag", ())
 _GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "INSTANCED",
                      "IS_POINTS", "SAMPLES", "UV_SETS")
@@ -49,20 +51,35 @@ def gathering_program(program: Program) -> Program:
 def shadow_program(draw: Draw) -> Program:
     """Of a shadow map, with SHADOW_VERTEX; it reads alpha where the surface is not opaque, and what panes transmit."""
     maps = shadow_maps_of(draw)
-    names = ["ALPHA_MODE", "HAS_COLOR"] * bool(maps) + [f"{name.upper()}_{ending}" for name in maps
-                                                        for ending in MAP_SWITCHES]
+    names = ["ALPHA_MODE", "HAS_COLOR"] * bool(maps) + _map_switches(maps)
     of_pane = dict.fromkeys(("PANE", "HAS_NORMAL", "HAS_TRANSMISSION"), int(draw.is_pane))
     switches = no_switches() | dict.fromkeys(("ALPHA_MODE", "HAS_COLOR"), 0) | of_pane | {
         name: draw.program[name] for name in ("INSTANCED", *names)}
-    switches["UV_SETS"] = sum({1 << switches[f"{name.upper()}_UV"] for name in maps if switches[f"{name.upper()}_MAP"]})
+    switches["UV_SETS"] = _uv_sets(switches, maps)
     return Program.of("raster/shadow.frag", switches)
+
+
+def tint_program(draw: Draw) -> Program:
+    """Of what the light of the environment keeps on its way through glass, with SHADOW_VERTEX."""
+    switches = no_switches() | {"PANE": 1, "HAS_NORMAL": 1, "HAS_TRANSMISSION": 1, "INSTANCED": 0} | {
+        name: draw.program[name] for name in ("ALPHA_MODE", "HAS_COLOR", "IS_SOLID", *_map_switches(TINT_MAPS))}
+    switches["UV_SETS"] = _uv_sets(switches, TINT_MAPS)
+    return Program.of("raster/sky_tint.frag", switches)
 
 
 def shadow_maps_of(draw: Draw) -> tuple[str, ...]:
     """The maps that decide how much light passes the surface, if it has them."""
     if draw.is_pane:
-        return "base_color", "metallic_roughness", "transmission"
+        return TINT_MAPS
     return () if draw.alpha_mode == "opaque" else ("base_color",)
+
+
+def _map_switches(maps: Sequence[str]) -> list[str]:
+    return [f"{name.upper()}_{ending}" for name in maps for ending in MAP_SWITCHES]
+
+
+def _uv_sets(switches: Mapping[str, int], maps: Sequence[str]) -> int:
+    return sum({1 << switches[f"{name.upper()}_UV"] for name in maps if switches[f"{name.upper()}_MAP"]})
 
 
 def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
