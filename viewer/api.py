@@ -216,12 +216,15 @@ def show(
     view to turn by the mouse and the keys of the window (docs/notebook.md), or a picture without the extra [notebook].
 
     The arguments are those of `render`, but the window denoises path-traced pictures by default (`denoise="off"`
-    prevents it), and a picture has its `quality` only at rest. It traces until the picture has converged or until
-    `spp`, `time_budget` or `error` is reached. Raises ContextError if no window can be opened.
+    prevents it), with `time_budget` or `error` by mixing them with the real-time picture, and a picture has its
+    `quality` only at rest. It traces until the picture has converged or until `spp`, `time_budget` or `error` is
+    reached. Raises ContextError if no window can be opened.
     """
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
-    chosen, size = Settings.of(**{"denoise": "fast", **settings}), _checked(size)
+    from .interact.state import window_settings
+
+    chosen, size = window_settings(Settings.of(**{"denoise": "fast", **settings}), settings), _checked(size)
     point = Quality.of(quality, settings, chosen, scene, size)
     from .web.cell import in_notebook, view_in_cell
 

@@ -245,6 +245,35 @@ def test_a_time_budget_waits_for_a_sample_of_every_pixel(hand, monkeypatch):
     assert hand.paths.is_done and hand.paths._path_render.is_whole and hand.paths.progress.samples >= 1
 
 
+def test_what_is_mixed_with_the_raster_leaves_its_picture_until_there_are_two_samples(hand, monkeypatch):
+    """With fewer, the picture would be worse than it was before."""
+    monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.0)
+    hand.state.settings = replace(PLAIN, spp=None, time_budget=1e-3, denoise="raster")
+    hand.rest()
+    assert hand.paths.is_done and hand.paths.picture is None and not hand.paths._path_render.film.is_split
+    assert hand.paths.status().endswith("done: too few to mix with the real-time picture, which is shown")
+    monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.03)
+    hand.state.settings = replace(PLAIN, spp=None, time_budget=1e6, denoise="raster")
+    hand.follow()
+    hand.until(lambda: hand.paths.picture is not None)
+    assert hand.paths.denoised == "raster" and hand.paths._path_render.film.is_split
+
+
+def test_words_do_not_wait_for_the_filter(hand, monkeypatch):
+    """It takes seconds where the CPU draws, and far more on a busy one."""
+    monkeypatch.setattr(convergence, "UPDATE_SECONDS", (0.0, 0.0))
+    hand.state.settings = replace(PLAIN, spp=1000, denoise="fast")
+    hand.until(lambda: hand.paths.picture is not None)
+    assert hand.paths._filter_at > hand.paths._path_render.seconds
+    hand.paths._filter_at = np.inf
+    filtered, words = hand.shown(), hand.paths.status()
+    hand.until(lambda: hand.paths.status() != words)
+    assert hand.paths.denoised == "fast" and np.array_equal(hand.shown(), filtered)
+    hand.state.paused = True
+    hand.rest()
+    assert not np.array_equal(hand.shown(), filtered), "at rest the picture has all the samples"
+
+
 def test_progress_in_words():
     assert str(Progress(3.25, 7.4, 9_000_000, 0.0312)) == (
         "3.2 samples a pixel, 7 s, error 3.1 %, 1.2 million rays/s")

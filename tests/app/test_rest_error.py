@@ -88,6 +88,27 @@ def test_it_is_told_shown_and_forgotten(rest):
     assert rest.picture.seconds_until_work == np.inf
 
 
+def test_of_a_traced_picture_once_it_is_done(rest, monkeypatch):
+    """By other samples than those of the picture."""
+    monkeypatch.setattr(convergence, "REST_SECONDS", 0.0)
+    rest.state.show_view("path")
+    rest.state.toggle_error()
+    paths, error = rest.picture.paths, rest.picture.error
+
+    def step() -> None:
+        rest.step()
+        assert paths.is_done or not error.is_begun
+
+    wait_until(lambda: error.error is not None, step)
+    told, (traced, measured) = error.error, rest.picture.status().split("\n")
+    assert traced == paths.status() and traced.startswith("2 samples a pixel, ") and "from the truth" in measured
+    assert paths.denoised == "fast" and np.array_equal(error._raster, paths.read_radiance())
+    assert told.low <= told.relmse <= told.high and told.relmse > 0
+    rest.state.toggle_denoise()
+    wait_until(lambda: paths.denoised == "off", rest.step)
+    assert not error.is_begun, "it is another picture"
+
+
 @pytest.fixture
 def glass(context, monkeypatch) -> Iterator[Rest]:
     """A ball of glass below a lamp, with photons."""
@@ -158,12 +179,12 @@ def test_no_slice_waits_for_the_estimate(rest, monkeypatch):
     rest.picture.error.discard()  # and its outcome with it
 
 
-def test_only_of_one_real_time_mode(rest):
+def test_only_of_one_mode(rest):
     state = rest.state
-    for view in ("split", "path", "path_split"):
+    for view in ("split", "path_split"):
         state.show_view(view)
         state.toggle_error()
-        assert not state.tells_error and "one real-time mode" in state.message
+        assert not state.tells_error and "one mode" in state.message
     state.show_view("phong")
     state.toggle_error(shows=True)
     assert state.tells_error and state.shows_error

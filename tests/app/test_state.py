@@ -10,7 +10,7 @@ import pytest
 from viewer.interact.actions import Actions
 from viewer.interact.keys import KEYS
 from viewer.interact.orbit import OrbitController
-from viewer.interact.state import CLEAR_GREY, FURNACE, VIEWS, ViewState, free_path, scene_facts
+from viewer.interact.state import CLEAR_GREY, FURNACE, VIEWS, ViewState, free_path, scene_facts, window_settings
 from viewer.quality import POINTS
 from viewer.scene.animation import Animation, Target, Track
 from viewer.scene.environment import Environment
@@ -32,6 +32,18 @@ def triangle(**kwargs) -> Scene:
 @pytest.fixture
 def state() -> ViewState:
     return ViewState(triangle(environment=Environment("grey", GREY, rotation=0.5, intensity=2.0)), Settings())
+
+
+@pytest.mark.parametrize("wish, given, begins", [
+    ({}, (), {}),
+    ({"time_budget": 2.0}, (), {"mode": "path", "denoise": "raster"}),
+    ({"error": 0.1}, ("mode",), {"denoise": "raster"}),
+    ({"time_budget": 2.0}, ("mode", "denoise"), {}),
+    ({"time_budget": 2.0, "show": "normal"}, (), {"denoise": "raster"}),
+])
+def test_who_asks_for_a_time_or_an_error_gets_both_methods(wish, given, begins):
+    settings = Settings(denoise="fast", **wish)
+    assert window_settings(settings, given) == replace(settings, **begins)
 
 
 def test_one_shot_is_the_whole_picture(state):

@@ -26,6 +26,7 @@ from ..jobs.options import (
     QUIET_OPTION,
     SCENE_OPTIONS,
     TIME_OPTIONS,
+    is_given,
     size_option,
     with_options,
 )
@@ -52,6 +53,7 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     check_camera_options(options)
     from ..app import open_window
     from ..interact.model_files import ModelFiles
+    from ..interact.state import window_settings
     from ..jobs.assemble import (
         load_model,
         make_camera,
@@ -64,7 +66,7 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     from ..jobs.inputs import find_models
     from ..scene.files import noting_files
 
-    settings = make_settings(options)
+    settings = window_settings(make_settings(options), {name for name in ("mode", "denoise") if is_given(name)})
     start = time.perf_counter()
     folder = model if Path(model).is_dir() else None
     environment = make_environment(options)
@@ -144,7 +146,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     chosen = {name: options.pop(name) for name in BATCH}
     check_batch_options(chosen)
     check_camera_options(options, takes_several=True)
-    options |= {"backend": backend, "has_size": _is_given("size") or options["sheet"] is not None}
+    options |= {"backend": backend, "has_size": is_given("size") or options["sheet"] is not None}
     from ..base.atomic import made_folders
     from ..batch.contact import render_contact_sheet
     from ..batch.films import is_film_in_parts, render_film_in_parts
@@ -168,7 +170,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     settings.check_ground()
     found = find_models(models)
     if options["sheet"] is not None:
-        if not _is_given("size"):
+        if not is_given("size"):
             options["size"] = CELL
         check_sheet(found, output, options, stats)
         if is_contact_sheet(found, output, options):
@@ -242,12 +244,7 @@ def _leaves_mode_open(settings: Any) -> bool:
 
     Raises UsageError if no method supports all settings.
     """
-    if _is_given("mode") or (settings.time_budget is None and settings.error is None):
+    if is_given("mode") or (settings.time_budget is None and settings.error is None):
         return False
     settings.check_open()
     return True
-
-
-def _is_given(option: str) -> bool:
-    """Whether the option stands on the command line, and is not at its default."""
-    return click.get_current_context().get_parameter_source(option) is not click.core.ParameterSource.DEFAULT

@@ -29,7 +29,8 @@ REST_SECONDS = 0.15
 SLICE_SECONDS = 0.03
 """The time of tracing after which input events are handled."""
 UPDATE_FRACTION = 0.2
-"""The most of the time that is used for updates: estimating the error, denoising and showing the picture."""
+"""The most of the time that is used for updates: estimating the error and showing the picture; and as much for
+denoising it."""
 UPDATE_SECONDS = 0.1, 2.0
 """The time between two updates: at first, and later, when the picture hardly changes any more."""
 CONVERGED = 0.01
@@ -62,8 +63,8 @@ class Progress:
 class Convergence:
     """Path traces the view of `state` as long as the state shows mode path. Nothing is prepared before that.
 
-    `picture` (RGBA32F, associated alpha) is None until every pixel has a sample. `draw_guide` draws what `Tracer.begin`
-    takes as its guide.
+    `picture` (RGBA32F, associated alpha) is None until every pixel has a sample; to be mixed with the raster's, two.
+    `draw_guide` draws what `Tracer.begin` takes as its guide.
     """
 
     def __init__(self, context: Context, programs: Programs, state: ViewState,
@@ -87,19 +88,20 @@ class Convergence:
         self._begun_for = "off"
         """The denoiser that the film has layers and parts for."""
         self._filter: Iterator[None] | None = None
-        self._updated: tuple[float, str] = 0.0, ""
-        self._update_at = 0.0
-        self._update_cost = 0.0
+        self._shown_of: tuple[float, str] = 0.0, ""
+        """The seconds of tracing that are in `picture`, and the denoiser that was asked for."""
+        self._update_at = self._filter_at = 0.0
+        self._update_cost = self._filter_cost = 0.0
 
     @property
     def is_done(self) -> bool:
         """Whether the picture is finished: no more samples will be added. A time budget does not end it before it is
-        whole."""
+        whole, unless it is to be mixed with the raster's picture, which stays then."""
         if self._path_render is None:
             return False
-        budget = self._settings().time_budget
+        budget, is_mixed = self._settings().time_budget, self._state.settings.denoise == "raster"
         is_over = budget is not None and self._path_render.seconds >= budget
-        return self._path_render.is_done or (is_over and self._path_render.is_whole)
+        return self._path_render.is_done or (is_over and (is_mixed or self._path_render.is_whole))
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -135,7 +137,8 @@ class Convergence:
         if self._state.paused:
             parts.append("paused")
         elif self.is_done:
-            parts.append("done")
+            has_picture = self.picture is not None or self._filter is not None
+            parts.append("done" if has_picture else "done: too few to mix with the real-time picture, which is shown")
         text = ", ".join(parts)
         return text[0].upper() + text[1:]
 
@@ -186,6 +189,12 @@ class Convergence:
             self._tracer = Tracer(self._context, programs=self._programs)
         return self._tracer
 
+    def read_radiance(self) -> np.ndarray:
+        """`picture`, (H, W, 4) float32, row 0 at the top."""
+        assert self.picture is not None
+        width, height = self.picture.size
+        return np.frombuffer(self.picture.read(), np.float32).reshape(height, width, 4)[::-1]
+
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the picture into `framebuffer`, with exposure and tone map."""
         assert self.picture is not None
@@ -212,7 +221,7 @@ class Convergence:
         self._guide = self._draw_guide(camera, settings, size)
         self._path_render = tracer.begin(self._state.scene, camera, settings, size, guide=self._guide,
                                          is_interactive=True)
-        self._updated, self._update_at, self._update_cost = (0.0, ""), 0.0, 0.0
+        self._shown_of, self._update_at, self._filter_at = (0.0, ""), 0.0, 0.0
 
     @property
     def _lacks_something(self) -> bool:
@@ -224,32 +233,40 @@ class Convergence:
     @property
     def _update_is_due(self) -> bool:
         assert self._path_render is not None
-        if self._path_render.seconds >= self._update_at:
-            return True
-        is_new = self._updated != (self._path_render.seconds, self._state.settings.denoise)
-        return is_new and (self._state.paused or self.is_done or self._updated[1] != self._state.settings.denoise)
+        return self._path_render.seconds >= self._update_at or self._picture_is_due
+
+    @property
+    def _picture_is_due(self) -> bool:
+        """Whether the picture has to be made now, whatever that costs: it rests, or another denoiser is asked for."""
+        assert self._path_render is not None
+        wanted = self._path_render.seconds, self._state.settings.denoise
+        return wanted != self._shown_of and (self._state.paused or self.is_done or wanted[1] != self._shown_of[1])
 
     def _update(self) -> bool:
-        """Estimate the error, and show the picture if every pixel has a sample. Returns whether there is a new one."""
+        """Estimate the error, and show the picture if every pixel has a sample. Returns whether there is a new one, or
+        new words for the status. Denoising takes long where the CPU draws, so the words do not wait for it."""
         from ..trace.paths.film import relative_error
 
-        path_render = self._path_render
+        path_render, denoise = self._path_render, self._state.settings.denoise
         assert path_render is not None
-        start = time.perf_counter()
+        start, is_due = time.perf_counter(), self._picture_is_due
         tiles = path_render.film.tile_errors()
-        self._updated = path_render.seconds, self._state.settings.denoise
         self._update_cost = time.perf_counter() - start
         is_whole = self.is_done or bool((tiles[..., 2] >= tiles[..., 3]).all())
         if is_whole:
             samples = float(tiles[..., 2].sum(dtype=float) / tiles[..., 3].sum(dtype=float))
             self.progress = Progress(samples, path_render.seconds, path_render.rays, relative_error(tiles))
             radiance = path_render.radiance
-            if self._state.settings.denoise != "off" and self.progress.error > CONVERGED:
-                assert self._combining is not None
-                is_fast = self._state.settings.denoise == "fast"
-                self._filter = self._combining.steps(path_render.film, None if is_fast else self._guide)
-            else:
+            if denoise == "off" or self.progress.error <= CONVERGED:
                 self.picture, self.denoised = radiance, "off"
+                self._shown_of = path_render.seconds, denoise
+            elif denoise == "raster" and not (path_render.film.is_split or path_render.is_done):
+                self._shown_of = path_render.seconds, denoise  # the raster's picture is better
+            elif is_due or path_render.seconds >= self._filter_at:
+                assert self._combining is not None
+                guide = None if denoise == "fast" else self._guide
+                self._filter, self._filter_cost = self._combining.steps(path_render.film, guide), 0.0
+                self._shown_of = path_render.seconds, denoise
         self._schedule_update()
         return self._filter is None and is_whole
 
@@ -260,11 +277,11 @@ class Convergence:
         while time.perf_counter() - start < SLICE_SECONDS:
             if next(self._filter, "end") == "end":
                 self._filter, self.picture = None, self._combining.result
-                self.denoised = "fast" if self._state.settings.denoise == "fast" else self._path_render.denoised
+                self.denoised = "fast" if self._shown_of[1] == "fast" else self._path_render.denoised
                 break
             self._context.gl.finish()  # otherwise all passes would be queued at once on a slow device
-        self._update_cost += time.perf_counter() - start
-        self._schedule_update()
+        self._filter_cost += time.perf_counter() - start
+        self._filter_at = self._path_render.seconds + self._filter_cost * (1 / UPDATE_FRACTION - 1)
         return self._filter is None
 
     def _schedule_update(self) -> None:

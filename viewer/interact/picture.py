@@ -58,8 +58,9 @@ class Picture:
     @property
     def is_refined(self) -> bool:
         """Whether the picture has the quality of a still picture, its size, its samples, and its rays and steps in
-        media. In mode path its size is enough, since the path-traced picture soon replaces it."""
-        is_path = self._state.modes == ("path",)
+        media. In mode path its size is enough, as long as the path-traced picture is to replace it."""
+        has_paths = self.paths.picture is not None or not self.paths.is_done
+        is_path = self._state.modes == ("path",) and has_paths
         return self._frame.is_whole and (is_path or self._drawn_as == self._as_drawn(still=True))
 
     @property
@@ -74,14 +75,14 @@ class Picture:
         """The seconds until there is something to do without user input; infinite if there is nothing."""
         if not self._frame.is_whole:
             return max(self._frame.seconds_until_still, 0.0)
-        measures = self._state.tells_error and self._state.has_error and not self.error.is_done
+        measures = self._has_error and not self.error.is_done
         waits = REST_SECONDS if not self.is_refined else 0.0 if measures or self._lacks_photons else math.inf
         return min(self.paths.seconds_until_work, waits)
 
     def status(self) -> str:
         """The state of path tracing, or the error of the picture, in one line for the user; empty if there is none."""
         if self.paths.status():
-            return self.paths.status()
+            return "\n".join([self.paths.status(), *filter(None, [self.error.status()])])
         if lines := legend(self._state.scene, self._orbit.camera, self._state.settings):
             return "\n".join(lines)
         if not self._prepares_error:
@@ -145,7 +146,10 @@ class Picture:
         if not self._frame.is_whole:
             return False
         try:
-            return self.paths.step() or self._add_photons() or self._measure()
+            if self.paths.step():
+                self._forget_error()
+                return True
+            return self._add_photons() or self._measure()
         except (ViewerError, moderngl.Error, MemoryError) as error:
             self._state.say(str(error) or "out of memory", is_error=True)
             self._state.tells_error = False
@@ -179,11 +183,18 @@ class Picture:
             self._drawn = None
         return guide
 
+    @property
+    def _has_error(self) -> bool:
+        """Whether the error of the picture at rest shall be told. One of paths rests once it is done, or paused."""
+        state, is_traced = self._state, self._state.settings.mode == "path"
+        rests = self.paths.seconds_until_work == math.inf and (self.paths.is_done or self.paths.picture is not None)
+        return state.tells_error and state.has_error and (rests or not is_traced)
+
     def _measure(self) -> bool:
         """Go on to measure the error of the picture at rest. Returns whether there is something new to show."""
         state = self._state
         is_whole = self.is_refined and not self._lacks_photons
-        if not (state.tells_error and state.has_error and is_whole and self._drawn is not None):
+        if not (self._has_error and is_whole and self._drawn is not None):
             return self._forget_error()
         if time.monotonic() - self._drawn_at < REST_SECONDS:
             return False
@@ -191,7 +202,8 @@ class Picture:
             self._prepares_error = True
             return True
         if not self.error.is_begun:
-            self.error.begin(self._renderer.read_radiance(), state.scene, self._orbit.camera, state.at_rest, self.size)
+            picture = self.paths if self.paths.picture is not None else self._renderer
+            self.error.begin(picture.read_radiance(), state.scene, self._orbit.camera, state.at_rest, self.size)
             return True
         return self.error.step()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, get_args
@@ -160,15 +161,14 @@ class ViewState:
 
     @property
     def has_error(self) -> bool:
-        """Whether the picture is one whose error can be told: one real-time mode alone, shaded, without a grid."""
+        """Whether the picture is one whose error can be told: of one mode alone, shaded, without a grid."""
         settings = self.settings
-        return (self.split is None and settings.mode != "path" and settings.show == "shaded"
-                and settings.grid == "off")
+        return self.split is None and settings.show == "shaded" and settings.grid == "off"
 
     def toggle_error(self, shows: bool = False) -> None:
         """Tell the error of the picture at rest, or stop that; with `shows`, its map takes turns with the picture."""
         if not self.has_error:
-            self.say("The error is told of shaded pictures of one real-time mode, without a grid")
+            self.say("The error is told of shaded pictures of one mode, without a grid")
             return
         self.shows_error = shows and not self.shows_error
         self.tells_error = shows or not self.tells_error
@@ -330,6 +330,17 @@ class ViewState:
         line = min(max(round(self.split * width), 0), width)
         parts = zip(self.sides, ((0, 0, line, height), (line, 0, width - line, height)), strict=True)
         return [(mode, part) for mode, part in parts if part[2] > 0]
+
+
+def window_settings(settings: Settings, given: Collection[str]) -> Settings:
+    """What a window begins with, where `given` has the names of the settings that the user has chosen.
+
+    Who asks for a time or an error gets paths, mixed with the real-time picture, as `render` does it without a mode.
+    """
+    if settings.time_budget is None and settings.error is None:
+        return settings
+    defaults: dict[str, Any] = {"denoise": "raster"} | ({"mode": "path"} if settings.show == "shaded" else {})
+    return replace(settings, **{name: value for name, value in defaults.items() if name not in given})
 
 
 def free_path(folder: Path, name: str, suffix: str = ".png") -> Path:

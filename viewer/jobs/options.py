@@ -286,6 +286,12 @@ COMMON_OPTIONS = [
 JSON_OPTION = click.option("--json", "json_file", metavar="FILE", help="Write JSON to FILE ('-': standard output).")
 
 
+def is_given(option: str) -> bool:
+    """Whether the option stands on the command line, and is not at its default."""
+    source, kinds = click.get_current_context().get_parameter_source(option), click.core.ParameterSource
+    return source not in (kinds.DEFAULT, kinds.DEFAULT_MAP)
+
+
 def with_options(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
     """A decorator that adds `options` to a command, listed in this order in its help."""
 
