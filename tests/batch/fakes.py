@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from viewer.base.atomic import atomic_write
@@ -16,9 +17,9 @@ from viewer.jobs.render_job import RenderTask
 
 class FakeWorker:
     """`fail` is reported; `kill` ends the process while a file is half written; `wait` takes until the file `go` is
-    there; `context` and `input` raise."""
+    there, or until it is to stop; `context` and `input` raise."""
 
-    def do(self, task: RenderTask, progress: Progress) -> Done:
+    def do(self, task: RenderTask, progress: Progress, wants_to_stop: Callable[[], bool] = lambda: False) -> Done:
         name = Path(task.model).stem
         record: dict[str, object] = {"model": task.model, "output": str(task.output), "wall_s": {"total": 0.1}}
         if name.startswith("fail"):
@@ -31,7 +32,7 @@ class FakeWorker:
             temporary.write_text("half")
             if name == "kill":
                 os.kill(os.getpid(), signal.SIGKILL)
-            while name == "wait" and not Path("go").exists():
+            while name == "wait" and not (Path("go").exists() or wants_to_stop()):
                 Path("waits").touch()
                 time.sleep(0.01)
             temporary.write_text("whole")

@@ -48,6 +48,18 @@ def test_a_process_that_dies_fails_its_own_task_alone(out):
     assert all((out / name).read_text() == "whole" for name in ("a.png", "b.png", "wait.png"))
 
 
+def test_what_is_in_progress_may_end_early_and_nothing_is_begun_after_it(out):
+    with Processes(FakeWorker, 2) as engine:
+        waiting, other = submitted(engine, "wait", "a")
+        wait([other])
+        wait_until(Path("waits").exists)
+        assert not waiting.done() and engine.finish()
+        assert waiting.result().records[0]["output"] == "out/wait.png" and not Path("go").exists()
+        later, = submitted(engine, "b")
+        assert isinstance(later.exception(), WorkerLost)
+    assert (out / "wait.png").read_text() == "whole" and not (out / "b.png").exists()
+
+
 @needs("linux")
 def test_cores_are_those_that_a_container_leaves(monkeypatch):
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {3, 5, 7})

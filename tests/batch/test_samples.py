@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 from concurrent.futures import Future
+from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
 from typing import Self
@@ -15,6 +16,7 @@ from command_line import SCENES
 from PIL import Image as Pillow
 
 import viewer.batch.run
+import viewer.jobs.part_renderer
 from viewer.base.progress import Progress
 from viewer.base.signals import Stopped
 from viewer.batch.engines import WorkerLost
@@ -45,6 +47,9 @@ class Losing:
         else:
             future.set_result(self._worker.do(task, Progress(1, enabled=False)))
         return future
+
+    def finish(self) -> bool:
+        return True
 
     def __enter__(self) -> Self:
         return self
@@ -107,6 +112,47 @@ def test_layers_and_the_shadow_on_the_ground_are_those_of_one_process(run, folde
     assert alone.files == shared.files and (alone["samples"] == 48).all() and np.ptp(alone["rgba"]) > 0.5
     for name in alone.files:
         np.testing.assert_allclose(shared[name], alone[name], rtol=1e-4, atol=1e-5, err_msg=name)
+
+
+@pytest.mark.parametrize("stop_at, left", [(2, 24), (1, 8)])
+def test_ctrl_c_keeps_the_samples_there_are(run, folder, lose, monkeypatch, stop_at, left):
+    """Of the parts that are finished, and of that in the making, whose second half is missing."""
+    run(*PATH, "-o", "whole.exr")
+    waits, real, part = [], viewer.batch.run.wait, viewer.jobs.part_renderer.PartRenderer.part
+
+    def wait(*args, **options):
+        waits.append(args)
+        if len(waits) == stop_at:
+            raise Stopped(signal.SIGINT)
+        return real(*args, **options)
+
+    def stopped(renderer, task, wants_to_stop):
+        assert not wants_to_stop()
+        half = task.samples if len(waits) + 1 < stop_at else range(task.samples.start, task.samples.start + 8)
+        return part(renderer, replace(task, samples=half), wants_to_stop)
+
+    lose({})
+    monkeypatch.setattr(Losing, "room", 1)
+    monkeypatch.setattr("viewer.batch.run.wait", wait)
+    monkeypatch.setattr("viewer.jobs.part_renderer.PartRenderer.part", stopped)
+    outcome = run(*PATH, "-o", "a.exr", "--jobs", "2", "--stats", "stats.json")
+    assert outcome.status == 130 and f"a.exr: stopped after {left} of 48 samples a pixel" in outcome.err
+    stats = json.loads((folder / "stats.json").read_text())
+    assert stats["stopped"] and stats["spp"] == left and stats["bad_samples"] == 0
+    early, whole = (Image.open(f"{name}.exr").linear for name in ("a", "whole"))
+    assert 0 < np.sqrt(np.mean((early - whole) ** 2)) < whole.std() / np.sqrt(left)
+
+
+def test_ctrl_c_before_the_first_sample_leaves_nothing(run, folder, lose, monkeypatch):
+    def wait(*args, **options):
+        monkeypatch.setattr("viewer.batch.run.wait", lambda *_, **__: None)
+        raise Stopped(signal.SIGINT)
+
+    lose({})
+    monkeypatch.setattr("viewer.batch.run.wait", wait)
+    monkeypatch.setattr("viewer.jobs.part_renderer.PartRenderer.part", lambda *_: ([], None))
+    outcome = run(*PATH, "-o", "a.exr", "--jobs", "2")
+    assert outcome.status == 130 and not (folder / "a.exr").exists()
 
 
 def test_a_picture_in_parts_is_denoised_as_a_whole(run, folder, lose):

@@ -59,6 +59,9 @@ class Cluster:
         theirs.add_done_callback(partial(_answer, future, self._client.scheduler.address))
         return future
 
+    def finish(self) -> bool:
+        return False
+
     def __enter__(self) -> Self:
         return self
 

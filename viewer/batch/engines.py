@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Protocol, Self
 
@@ -23,7 +24,7 @@ class ClusterLost(ViewerError):
 class Doer(Protocol):
     """What does tasks, one at a time: `viewer.batch.work.Worker`."""
 
-    def do(self, task: RenderTask, progress: Progress) -> Done: ...
+    def do(self, task: RenderTask, progress: Progress, wants_to_stop: Callable[[], bool] = ...) -> Done: ...
 
 
 class Engine(Protocol):
@@ -35,6 +36,10 @@ class Engine(Protocol):
 
     def submit(self, task: RenderTask) -> Future[Done]:
         """The future raises WorkerLost, or what `Worker.do` raises."""
+
+    def finish(self) -> bool:
+        """Let tasks with samples end with what they have, and take no more. Returns whether their futures will soon be
+        done."""
 
     def __enter__(self) -> Self: ...
 
@@ -55,6 +60,9 @@ class Here:
         future: Future[Done] = Future()
         future.set_result(self._worker.do(task, self._progress))
         return future
+
+    def finish(self) -> bool:
+        return True
 
     def __enter__(self) -> Self:
         return self

@@ -52,6 +52,13 @@ class Processes:
             process = self._local.process = self._start()
         return process.do(task)
 
+    def finish(self) -> bool:
+        with self._lock:
+            self._is_closed = True
+        for process in self._started:
+            process.finish()
+        return True
+
     def _start(self) -> _Process:
         with self._lock:
             if self._is_closed:
@@ -77,7 +84,7 @@ class Processes:
 class _Process:
     def __init__(self, make_worker: Callable[[], Doer], count: int) -> None:
         self._connection, theirs = _SPAWN.Pipe()
-        self._joining = threading.Lock()
+        self._joining, self._sending, self._is_finishing = threading.Lock(), threading.Lock(), False
         self._process = _SPAWN.Process(target=_serve, args=(theirs, make_worker, count))
         self._process.start()
         theirs.close()  # so that the end of the process ends the connection
@@ -89,7 +96,10 @@ class _Process:
     def do(self, task: RenderTask) -> Done:
         """Raises what the task raises there, and WorkerLost if the process ends."""
         try:
-            self._connection.send(task)
+            with self._sending:
+                if self._is_finishing:
+                    raise WorkerLost("given up")
+                self._connection.send(task)
             answer = self._connection.recv()
         except (EOFError, OSError) as error:
             self._join()
@@ -97,6 +107,12 @@ class _Process:
         if isinstance(answer, Exception):
             raise answer
         return answer
+
+    def finish(self) -> None:
+        """What it is doing ends early, if it can, and it is given nothing more."""
+        with self._sending, suppress(OSError):
+            self._is_finishing = True
+            self._connection.send(None)
 
     def ask_to_end(self) -> None:
         """What it is doing is given up, and no half-written file is left."""
@@ -123,7 +139,8 @@ def how_it_ended(code: int | None) -> str:
 
 
 def _serve(connection: Connection, make_worker: Callable[[], Doer], count: int) -> None:
-    """One of `count` other processes: does tasks until the connection ends, as it does when the first process ends."""
+    """One of `count` other processes: does tasks until the connection ends, as it does when the first process ends, or
+    until None comes, which a task in the making sees at the other end of the connection."""
     with suppress(Stopped):
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the first process, which then terminates this one
         signal.signal(signal.SIGTERM, _stop)  # whatever it is doing: nobody waits for part of a picture
@@ -132,11 +149,10 @@ def _serve(connection: Connection, make_worker: Callable[[], Doer], count: int) 
         os.environ.setdefault("LP_NUM_THREADS", str(max(core_count() // count, 1)))
         worker, nowhere = None, Progress(1, enabled=False)
         with suppress(EOFError, OSError):
-            while True:
-                task = connection.recv()
+            while (task := connection.recv()) is not None:
                 try:
                     worker = worker or make_worker()
-                    answer: Done | ViewerError = worker.do(task, nowhere)
+                    answer: Done | ViewerError = worker.do(task, nowhere, connection.poll)
                 except ViewerError as error:
                     answer = error
                 connection.send(answer)

@@ -121,7 +121,8 @@ def make_engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progr
 
 def do_parts(parts: Sequence[RenderTask], job: RenderJob, batch: Batch) -> Run:
     """Do the parts of one picture or film, each of which is tried again once where `batch` does not say how often.
-    The first signal to stop ends them, and the run's `stopped` is that then. Raises as `render_all`."""
+    The first signal to stop ends them, with the samples there are, and the run's `stopped` is that then. The second
+    raises Stopped. Raises as `render_all`."""
     run = Run(job, replace(batch, retries=1 if batch.retries is None else batch.retries), None)
     with ExitStack() as stack:
         progress = stack.enter_context(Progress(len(parts), not job.options["quiet"]))
@@ -131,6 +132,7 @@ def do_parts(parts: Sequence[RenderTask], job: RenderJob, batch: Batch) -> Run:
             run.do(attempts, engine, progress, are_parts=True)
         except Stopped as stopped:
             run.stopped = stopped.number
+            run.gather(engine)
     return run
 
 
@@ -149,6 +151,7 @@ class Run:
         self.records: dict[int, tuple[Record, ...]] = {}
         self.known: dict[int, tuple[Record, ...]] = {}
         self.stopped: int | None = None
+        self._running: dict[Future[Done], tuple[Attempt, str]] = {}
         self.sums = Sums()
         self.frames: dict[int, np.ndarray] = {}
         self._started = time.monotonic()
@@ -175,8 +178,7 @@ class Run:
 
     def do(self, attempts: Sequence[Attempt], engine: Engine, progress: Progress, are_parts: bool = False) -> None:
         """Do them all, unless a signal ends one early. If they `are_parts` of one picture, a failure is the end."""
-        waiting = deque(attempts)
-        running: dict[Future[Done], tuple[Attempt, str]] = {}
+        waiting, running = deque(attempts), self._running
         while self.stopped is None and (waiting or running) and not (are_parts and self._has_failed):
             while waiting and len(running) < engine.room:
                 attempt = waiting.popleft()
@@ -187,6 +189,14 @@ class Run:
                 waiting.extend(self._note(attempt, key, future))
                 if not isinstance(engine, Here):  # which shows what it does now
                     progress.done(len(self.records), Path(attempt.task.model).name)
+
+    def gather(self, engine: Engine) -> None:
+        """Take the samples of the parts that a signal has found in the making, as far as they are traced."""
+        if any(attempt.task.samples is not None for attempt, _ in self._running.values()) and engine.finish():
+            wait(self._running)
+        for future, (attempt, _) in self._running.items():
+            if future.done() and future.exception() is None and (part := future.result().part) is not None:
+                self.sums.add(attempt.number, part)
 
     @property
     def _has_failed(self) -> bool:

@@ -37,21 +37,22 @@ def is_in_parts(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> bo
 
 
 def render_in_parts(task: RenderTask, job: RenderJob, batch: Batch) -> int:
-    """Make the picture, and write it. Returns the exit status. Raises as `viewer.batch.run.render_all`."""
+    """Make the picture, and write it; after a signal to stop, with the samples there are. Returns the exit status.
+    Raises as `viewer.batch.run.render_all`, and Stopped if there are none."""
     started, settings = perf_counter(), make_settings(job.options)
     parts = [replace(task, samples=part) for part in parts_of(settings.most_spp)]
     run = do_parts(parts, job, batch)
-    if run.stopped is not None:
+    if run.stopped is not None and not run.sums.halves:
         raise Stopped(run.stopped)
     failed = [record for records in run.records.values() for record in records if "error" in record]
     if failed:
         record = failed[0]
     else:
         with PartRenderer(job) as renderer:
-            record, = renderer.whole(task, run.sums.halves)
+            record, = renderer.whole(task, run.sums.halves, run.stopped)
         times = record.get("wall_s")
         seconds = (times if isinstance(times, dict) else {}) | {"total": perf_counter() - started}
         record |= {"parts": len(parts), "wall_s": seconds}
     if batch.stats is not None:
         write_json(batch.stats, record)
-    return 1 if "error" in record else 0
+    return 1 if "error" in record else 0 if run.stopped is None else Stopped(run.stopped).exit_status

@@ -21,21 +21,27 @@ def parts_of(samples: int) -> list[range]:
 
 
 class Sums:
-    """`halves` are the sums in float64 of the parts with even numbers and of those with odd ones, which denoisers
-    compare, each in the order of the numbers. So they are the same to the last bit whatever the order in which parts
-    come."""
+    """The sums in float64 of the parts with even numbers and of those with odd ones, which denoisers compare, each in
+    the order of the numbers. So they are the same to the last bit whatever the order in which parts come."""
 
     def __init__(self) -> None:
-        self.halves: list[Part] = []
+        self._halves: dict[int, Part] = {}
         self._next = 0
         self._early: dict[int, Part] = {}
 
     def add(self, number: int, part: Part) -> None:
         self._early[number] = part
         while self._next in self._early:
-            following = self._early.pop(self._next)
-            if self._next < 2:
-                self.halves.append(following)
-            else:
-                self.halves[self._next % 2] += following
+            self._take(self._next)
             self._next += 1
+
+    @property
+    def halves(self) -> list[Part]:
+        """Of all parts that have come; one of them or none, if there are so few."""
+        for number in sorted(self._early):  # those before it will not come any more
+            self._take(number)
+        return [half for _, half in sorted(self._halves.items())]
+
+    def _take(self, number: int) -> None:
+        half, part = number % 2, self._early.pop(number)
+        self._halves[half] = self._halves[half] + part if half in self._halves else part

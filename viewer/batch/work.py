@@ -48,8 +48,8 @@ class Worker:
         self._name = f"{platform.node()}:{os.getpid()}"
         self._folders: set[Path] = set()
 
-    def do(self, task: RenderTask, progress: Progress) -> Done:
-        """Raises as `ModelRenderer.render`."""
+    def do(self, task: RenderTask, progress: Progress, wants_to_stop: Callable[[], bool] = lambda: False) -> Done:
+        """A task with samples ends with those it has once `wants_to_stop` is true. Raises as `ModelRenderer.render`."""
         folder = task.output.parent
         if folder not in self._folders:
             self._folders.add(folder)
@@ -57,7 +57,7 @@ class Worker:
         self._lines.clear()
         renderer, part, frames = self.renderer, None, None
         if task.samples is not None:
-            found, part = renderer.part(task)
+            found, part = renderer.part(task, wants_to_stop)
         elif task.frames is not None:
             found, frames = renderer.frames(task)
         else:

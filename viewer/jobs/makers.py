@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -94,6 +94,8 @@ class PathMaker(PictureMaker):
         super().__init__(request)
         self.given: Sequence[Part] = ()
         """Samples that others have traced, which `make` takes instead of tracing them."""
+        self.given_stopped: int | None = None
+        """The number of the signal that ended these early."""
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
@@ -122,7 +124,7 @@ class PathMaker(PictureMaker):
                     path_render.take(self.given)
                 else:
                     run(path_render, started, report, wants_to_stop=lambda: stop_request.number is not None)
-            self.stopped = _stop_signal(stop_request, path_render.samples)
+            self.stopped = _stop_signal(stop_request, path_render.samples) or self.given_stopped
             image = with_ground(self._tracer, path_render.image(), scene, camera, request.settings)
             if request.layers:
                 image = add_layers(image, self._raster(), scene, camera, request.settings, request)
@@ -134,9 +136,10 @@ class PathMaker(PictureMaker):
             path_render.release()
         return image
 
-    def part(self, scene: Scene, camera: Camera, samples: range) -> Part:
+    def part(self, scene: Scene, camera: Camera, samples: range, wants_to_stop: Callable[[], bool]) -> Part | None:
         """These samples of each pixel of the picture, from which `make` makes it where they are `given`. A denoiser
-        filters it then, which needs the layers of first hits. Raises as `make`, and Stopped."""
+        filters it then, which needs the layers of first hits. Once `wants_to_stop` is true, it is what there is; None
+        if that is nothing. Raises as `make`, and Stopped."""
         from ..estimate.layers import traced_layers
         from ..trace.ground import above_ground
         from ..trace.paths.part import Part
@@ -152,8 +155,10 @@ class PathMaker(PictureMaker):
             layers = *layers, "albedo"
         path_render = self._tracer.begin(scene, camera, settings, request.size, layers, first=samples.start)
         try:
-            run(path_render, time.perf_counter())
-            return Part(path_render.film.read(), path_render.rays, path_render.seconds)
+            run(path_render, time.perf_counter(), wants_to_stop=wants_to_stop)
+            if path_render.samples == 0:
+                return None
+            return Part(path_render.film.read(), path_render.rays, path_render.seconds, path_render.bad_samples)
         finally:
             path_render.release()
 

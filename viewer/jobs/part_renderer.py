@@ -30,9 +30,9 @@ class PartRenderer(ModelRenderer):
         self._scene: tuple[str, Scene, View] | None = None
         self._film_of: tuple[str, Scene, Film] | None = None
 
-    def part(self, task: RenderTask) -> tuple[list[Record], Part | None]:
-        """As `render`, for a task with samples: its record, and what was traced. Nothing is written; `whole` tells the
-        warnings."""
+    def part(self, task: RenderTask, wants_to_stop: Callable[[], bool]) -> tuple[list[Record], Part | None]:
+        """As `render`, for a task with samples: its record, and what was traced, perhaps not all of them once
+        `wants_to_stop` is true. Nothing is written; `whole` tells the warnings."""
         self.may_pass = False
         records: list[Record] = []
         assert isinstance(self._maker, PathMaker) and task.samples is not None
@@ -42,14 +42,15 @@ class PartRenderer(ModelRenderer):
                 self._scene = task.model, scene, views_of(task.model, scene, self._job.options)[0]
             _, scene, view = self._scene
             self._request.size = view.size
-            part = self._maker.part(scene, view.camera, task.samples)
+            part = None if wants_to_stop() else self._maker.part(scene, view.camera, task.samples, wants_to_stop)
             return [{"model": task.model, "output": str(task.picture())}], part
         return records, None
 
-    def whole(self, task: RenderTask, halves: Sequence[Part]) -> list[Record]:
-        """As `render`, for a picture whose samples have been traced in parts: the sums of `halves` are all of them."""
+    def whole(self, task: RenderTask, halves: Sequence[Part], stopped: int | None) -> list[Record]:
+        """As `render`, for a picture whose samples have been traced in parts: the sums of `halves` are all of them, or,
+        if the signal `stopped` has ended that, those there are."""
         assert isinstance(self._maker, PathMaker)
-        self._maker.given = halves
+        self._maker.given, self._maker.given_stopped = halves, stopped
         return self.render(task, Progress(1, enabled=False))
 
     def frames(self, task: RenderTask) -> tuple[list[Record], np.ndarray | None]:

@@ -99,8 +99,7 @@ class PathRender:
         round of photons."""
         if self.settings.time_budget is None or self._has_samples:
             return self._expected_samples
-        in_film = self.film.tile_errors()[..., 2].sum(dtype=np.float64)
-        return max(math.prod(self.film.size), round(float(in_film)))
+        return max(math.prod(self.film.size), self._film_samples)
 
     @property
     def lost_share(self) -> float:
@@ -121,7 +120,12 @@ class PathRender:
     @property
     def bad_samples(self) -> int:
         """Number of samples that were not finite and so were left out of the film."""
-        return self._expected_samples - round(float(self.film.tile_errors()[..., 2].sum(dtype=np.float64)))
+        return self._expected_samples - self._film_samples
+
+    @property
+    def _film_samples(self) -> int:
+        """Of all pixels together."""
+        return round(float(self.film.tile_errors()[..., 2].sum(dtype=np.float64)))
 
     def step(self, seconds: float) -> None:
         """Trace for about this time, and at least one iteration, which takes well under 0.1 s on a GPU."""
@@ -142,7 +146,7 @@ class PathRender:
         self.film.take(sum((half.sums for half in halves[1:]), halves[0].sums))
         for film, half in zip(self.film.parts, halves, strict=False):
             film.take(half.sums)
-        self._expected_samples = self.settings.most_spp * math.prod(self.film.size)
+        self._expected_samples = self._film_samples + sum(half.bad for half in halves)
         self.rays, self.seconds = sum(half.rays for half in halves), sum(half.seconds for half in halves)
 
     def _trace_photons(self, photons: PhotonRender) -> None:
