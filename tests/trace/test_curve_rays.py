@@ -95,13 +95,13 @@ def test_threads_share_rays_and_leave_none_out(curves: TraceCurves, monkeypatch:
 @needs("embree")
 @pytest.mark.parametrize("given, threads", [("3", 3), ("0", 1), ("", 7), ("many", 7)])
 def test_processes_share_the_cores(monkeypatch: pytest.MonkeyPatch, given: str, threads: int) -> None:
-    from viewer.trace.rays import embree_curves
+    from viewer.trace.rays import threads as module
 
     asked: list[int] = []
     monkeypatch.setenv("LP_NUM_THREADS", given)
-    monkeypatch.setattr(embree_curves, "core_count", lambda: 7)
-    monkeypatch.setattr(embree_curves, "ThreadPoolExecutor", lambda count, _name: asked.append(count))
-    embree_curves._threads.__wrapped__()
+    monkeypatch.setattr(module, "core_count", lambda: 7)
+    monkeypatch.setattr(module, "ThreadPoolExecutor", lambda count, _name: asked.append(count))
+    module.ray_threads.__wrapped__()
     assert asked == [threads]
 
 
@@ -110,6 +110,7 @@ def test_no_thread_traces_on_after_an_interruption(curves: TraceCurves, monkeypa
     """The scene may be released then. The first call of Embree stops as Ctrl-C does, while another thread is in the
     second."""
     from viewer.trace.rays import embree_curves
+    from viewer.trace.rays import threads as module
 
     embree, is_inside, may_leave, left = embree_curves.EmbreeCurves(curves), Event(), Event(), []
     calls = itertools.count()
@@ -125,7 +126,7 @@ def test_no_thread_traces_on_after_an_interruption(curves: TraceCurves, monkeypa
 
     monkeypatch.setattr(embree_curves, "_TASK", 1)
     with ThreadPoolExecutor(2) as threads:
-        monkeypatch.setattr(embree_curves, "_threads", lambda: threads)
+        monkeypatch.setattr(module, "ray_threads", lambda: threads)
         monkeypatch.setattr(embree, "_library", SimpleNamespace(rtcIntersect16=intersect))
         with pytest.raises(KeyboardInterrupt):
             embree.intersect(*rays(6), np.inf)

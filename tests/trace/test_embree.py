@@ -65,6 +65,29 @@ def test_only_slots_that_have_rays_are_traced(context: Context) -> None:
     np.testing.assert_array_equal(hits, np.array([MISS, 0, MISS | FREE, FREE, MISS], np.uint32))
 
 
+def test_threads_find_the_same_hits(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rays of two wavefronts are traced at once, in tasks of a few paths each, some of which have no rays."""
+    from viewer.trace.rays import embree as module
+
+    embree = make_intersector(context, Geometry([sphere(8, 12)], [Instance(0, at(z)) for z in (-1, 1)]), kind="embree")
+    rng = np.random.default_rng(7)
+    wavefronts = [make_wavefront(context.gl, (16, 16)) for _ in range(2)]
+    for wavefront in wavefronts:
+        origin, direction, vector = rng.normal(size=(3, 256, 3))
+        fill(wavefront, origin=np.c_[origin, rng.integers(0, 3, 256)], direction=direction, shadow_origin=origin,
+             shadow_vector=vector * rng.integers(0, 2, (256, 1)))
+    alone = [embree.trace(embree.fetch(wavefront)) for wavefront in wavefronts]
+    monkeypatch.setattr(module, "_TASK", 7)
+    for _ in range(3):
+        finish = [embree.begin(embree.fetch(wavefront)) for wavefront in wavefronts]
+        for answer, expected in zip([finish[0](), finish[1]()], alone, strict=True):
+            assert (answer.alive, answer.rays) == (expected.alive, expected.rays)
+            np.testing.assert_array_equal(answer.hits, expected.hits)
+            np.testing.assert_array_equal(answer.classes, expected.classes)
+    assert 20 < np.count_nonzero(alone[0].hits[:, 0] & ~np.uint32(FREE) != MISS) < 240
+    assert not np.array_equal(alone[0].hits, alone[1].hits)
+
+
 def test_many_instances_keep_their_numbers(context: Context) -> None:
     rng = np.random.default_rng(5)
     places = rng.uniform(-0.9, 0.9, (3000, 3))

@@ -66,6 +66,7 @@ class PathRender:
         if photon_passes is not None and film.photon_sums is not None:
             self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker, first)
         self._flush: Callable[[], None] = context.function("glFlush")
+        self._finish: Callable[[], None] = context.function("glFinish")
         self._sky = sky
         if sky is not None:
             passes.draw_sky(sky)
@@ -163,18 +164,21 @@ class PathRender:
         work that was submitted before it.
         """
         first, second = self._wavefronts
+        if self.plan.is_sorted:
+            self._finish()  # while this thread waits in a read instead, Python lets no other go on tracing
         if first.iterations % self._check_interval == 0:
             self._refill(first.wavefront)
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
-        if second.answer is not None:
-            self._intersector.store(second.wavefront, second.answer)
-            self._passes.shade(second.wavefront, second.answer.classes)
-            second.answer = None
+        if second.finish is not None:
+            answer = second.finish()
+            second.finish = None
+            self.rays += answer.rays or 0
+            self._intersector.store(second.wavefront, answer)
+            self._passes.shade(second.wavefront, answer.classes)
             second.iterations += 1
             self._flush()
         if rays is not None:
-            first.answer = self._intersector.trace(rays)
-            self.rays += first.answer.rays or 0
+            first.finish = self._intersector.begin(rays)
         self._wavefronts = [second, first]
 
     def _refill(self, wavefront: Wavefront) -> None:

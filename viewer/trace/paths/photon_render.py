@@ -66,18 +66,19 @@ class PhotonRender:
         if first.iterations % self._check_interval == 0 and first.is_busy and first.iterations:
             first.wavefront.is_busy[:] = self._passes.find_alive(first.wavefront)
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
-        if second.answer is not None:
-            self._intersector.store(second.wavefront, second.answer)
-            second.answer = None
+        if second.finish is not None:
+            answer = second.finish()
+            second.finish = None
+            self.rays += answer.rays or 0
+            self._intersector.store(second.wavefront, answer)
             arriving = self._arriving if self.sums.count < WEIGHED else None
             self._passes.shade_onto(second.wavefront, self._splats, arriving)
             second.iterations += 1
             self._flush()
         if rays is not None:
-            first.answer = self._intersector.trace(rays)
-            self.rays += first.answer.rays or 0
+            first.finish = self._intersector.begin(rays)
         self._wavefronts = [second, first]
-        if not (first.is_busy or second.is_busy or first.answer):
+        if not (first.is_busy or second.is_busy or first.finish):
             self.sums.add(self._splats, self._round)
             self._splats.framebuffer.clear()
             self._round = 0

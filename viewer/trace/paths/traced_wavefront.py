@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..rays.intersect import Answer
@@ -10,10 +11,11 @@ from .wavefront import Wavefront
 
 @dataclass
 class TracedWavefront:
-    """`answer` has the hits of the present rays, if they were traced; `iterations` counts the steps of its paths."""
+    """`finish` waits for the hits of the present rays, where they are traced; `iterations` counts the steps of its
+    paths."""
 
     wavefront: Wavefront
-    answer: Answer | None = None
+    finish: Callable[[], Answer] | None = None
     iterations: int = 0
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import moderngl
@@ -100,6 +101,10 @@ class BvhIntersector:
 
     def fetch(self, wavefront: WavefrontTextures) -> WavefrontTextures:
         return wavefront
+
+    def begin(self, wavefront: WavefrontTextures) -> Callable[[], Answer]:
+        answer = self.trace(wavefront)
+        return lambda: answer
 
     def trace(self, wavefront: WavefrontTextures) -> Answer:
         rays = self._query.samples if self._is_counting else None

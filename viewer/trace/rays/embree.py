@@ -7,6 +7,7 @@ robust mode, which costs a fifth of the speed: without it, one in twenty rays th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ from .flatten import flatten
 from .intersect import CLASS_OF_IDLE, SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 from .see_through import MAX_LAYERS, SeeThrough
 from .shadow_media import ShadowMedia, instances_of, is_boundary, offset_origin
+from .threads import ray_threads
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
@@ -31,13 +33,16 @@ if TYPE_CHECKING:
 _STEP = 1e-6
 """Step behind a see-through triangle, in tracer units. Hitting the same triangle again does no harm, since the decision
 is the same."""
+_TASK = 8192
+"""Paths whose rays a thread traces before it takes others: some milliseconds."""
 
 
 @dataclass
 class Rays:
     """The rays of a wavefront in memory, (paths, 4) float32 each, as the textures have them.
 
-    `medium` is read only in scenes with scattering. The first `count` are traced. `sees_backs` is the wavefront's.
+    `medium` is read only in scenes with scattering. The first `count` are to be traced. `sees_backs` is that of the
+    wavefront.
     """
 
     origin: NDArray[np.float32]
@@ -48,11 +53,11 @@ class Rays:
     count: int = 0
     sees_backs: bool = False
 
-    def first(self) -> Rays:
-        """Those that are traced."""
-        count = self.count
-        return Rays(self.origin[:count], self.direction[:count], self.shadow_origin[:count], self.shadow_vector[:count],
-                    self.medium[:count], count, self.sees_backs)
+    def part(self, begin: int, end: int) -> Rays:
+        """Some of those that are traced."""
+        rows = slice(begin, min(end, self.count))
+        return Rays(self.origin[rows], self.direction[rows], self.shadow_origin[rows], self.shadow_vector[rows],
+                    self.medium[rows], rows.stop - begin, self.sees_backs)
 
 
 class EmbreeIntersector:
@@ -74,13 +79,13 @@ class EmbreeIntersector:
             self._coverage = SeeThrough(context, surfaces)
         self._media = ShadowMedia(geometry) if geometry.scatters else None
         self._curves = EmbreeCurves(geometry.curves) if geometry.curves is not None else None
-        self._rays: Rays | None = None
+        self._spare: list[Rays] = []  # memory whose rays are traced
 
     def fetch(self, wavefront: WavefrontTextures) -> Rays:
         count = wavefront.origin.width * wavefront.origin.height
-        if self._rays is None or len(self._rays.origin) != count:
-            self._rays = Rays(*np.empty((5, count, 4), np.float32))
-        rays = self._rays
+        rays = self._spare.pop() if self._spare else None
+        if rays is None or len(rays.origin) != count:
+            rays = Rays(*np.empty((5, count, 4), np.float32))
         rays.count, rays.sees_backs = wavefront.rows * wavefront.origin.width, wavefront.sees_backs
         wavefront.origin.read_into(rays.origin)
         wavefront.direction.read_into(rays.direction)
@@ -91,7 +96,26 @@ class EmbreeIntersector:
         return rays
 
     def trace(self, rays: Rays) -> Answer:
-        rays = rays.first()
+        return self.begin(rays)()
+
+    def begin(self, rays: Rays) -> Callable[[], Answer]:
+        """Embree lets Python's other threads run. But OpenGL, which see-through surfaces need, belongs to this thread,
+        and curves have threads of their own."""
+        if self._coverage is not None or self._curves is not None or rays.count <= _TASK:
+            answer = self._trace(rays.part(0, rays.count))
+            self._spare.append(rays)
+            return lambda: answer
+        tasks = [ray_threads().submit(self._trace, rays.part(first, first + _TASK))
+                 for first in range(0, rays.count, _TASK)]
+
+        def finish() -> Answer:
+            answers = [task.result() for task in tasks]
+            self._spare.append(rays)
+            return Answer.joined(answers)
+
+        return finish
+
+    def _trace(self, rays: Rays) -> Answer:
         hits = np.zeros((rays.count, 4), np.uint32)
         hits[:, 0] = MISS
         status = rays.origin[:, 3]

@@ -14,10 +14,7 @@ the strand by its end, so that the ends of strands are spheres of their own as w
 from __future__ import annotations
 
 import ctypes
-import os
 import weakref
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -27,7 +24,7 @@ import embreex
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.cores import core_count
+from .threads import in_threads
 
 if TYPE_CHECKING:
     from ..scene.curves import TraceCurves
@@ -93,13 +90,6 @@ def embree_with_curves() -> tuple[ctypes.CDLL, int]:
     return library, device
 
 
-@cache
-def _threads() -> ThreadPoolExecutor:
-    """As many as Mesa's software renderer is given, which is less than the cores where --jobs shares them."""
-    given = os.environ.get("LP_NUM_THREADS", "")
-    return ThreadPoolExecutor(max(int(given), 1) if given.isdecimal() else core_count(), "rays")
-
-
 _POINTER = ctypes.c_void_p
 
 
@@ -154,7 +144,7 @@ class EmbreeCurves:
             rays = order[begin:begin + _TASK]
             segment[rays], far[rays] = self._entered(origins[rays], directions[rays], far[rays])
 
-        _in_threads(trace, range(0, len(order), _TASK))
+        in_threads(trace, range(0, len(order), _TASK))
         return segment, far
 
     def _entered(self, origins: NDArray, directions: NDArray, far: NDArray
@@ -225,22 +215,6 @@ def _along_curve(origins: NDArray[np.float32]) -> NDArray[np.intp]:
     """The order of points (N, 3) along a Morton curve through 32 x 32 x 32 cells about the scene, (N,)."""
     x, y, z = _SPREAD[np.fmin(np.fmax(16 * origins + 16, 0), 31).astype(np.uint8)].T
     return np.argsort(x | y << 1 | z << 2, kind="stable")
-
-
-def _in_threads(trace: Callable[[int], None], begins: Sequence[int]) -> None:
-    """Call `trace` for each of `begins`."""
-    if len(begins) < 2:
-        for begin in begins:
-            trace(begin)
-        return
-    tasks = [_threads().submit(trace, begin) for begin in begins]
-    try:
-        for task in tasks:
-            task.result()
-    finally:  # after Ctrl-C, too, whoever catches it may release the scene, and no thread may read it then
-        for task in tasks:
-            task.cancel()
-        wait(tasks)
 
 
 @dataclass(frozen=True, eq=False)

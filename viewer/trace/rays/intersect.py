@@ -13,10 +13,12 @@ the media and panes on its way, 0 if something occludes it, and in a the distanc
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import moderngl
+import numpy as np
 
 from ...errors import UsageError
 from ...gpu.context import Context
@@ -72,6 +74,16 @@ class Answer:
     """(paths,) uint8, of an intersector that tells them: equal where paths are probably shaded by the same pass,
     NO_KIND of those that have ended or whose ray meets nothing, CLASS_OF_IDLE of idle ones."""
 
+    @staticmethod
+    def joined(parts: Sequence[Answer]) -> Answer:
+        """One answer of those for parts of a wavefront, which have all but perhaps `along`."""
+        def rows(name: str) -> Any:
+            arrays = [getattr(part, name) for part in parts]
+            return None if arrays[0] is None else np.concatenate(arrays)
+
+        return Answer(sum(part.alive or 0 for part in parts), sum(part.rays or 0 for part in parts),
+                      rows("hits"), rows("along"), rows("classes"))
+
 
 class Surfaces(Protocol):
     """What `coverage_at` of shaders/trace/material.glsl needs: its defines, and its textures and uniforms."""
@@ -83,13 +95,17 @@ class Surfaces(Protocol):
 
 class Intersector(Protocol):
     """Traces in three steps, so that software OpenGL can shade one wavefront while another is traced:
-    `rays = fetch(a)`, `store(b, ...)`, shade b, flush, `trace(rays)`. The rays are valid until the next fetch."""
+    `rays = fetch(a)`, `store(b, finish_b())`, shade b, flush, `finish_a = begin(rays)`. The rays are valid until they
+    are traced."""
 
     name: str
     tells_classes: bool
 
     def fetch(self, wavefront: WavefrontTextures) -> Any:
         """The rays of the wavefront's present state. Waits for the device if it has to read them."""
+
+    def begin(self, rays: Any) -> Callable[[], Answer]:
+        """Begin to find the hits of the rays. The result waits for them, if other threads are at it."""
 
     def trace(self, rays: Any) -> Answer:
         """Find the hits of the rays."""
