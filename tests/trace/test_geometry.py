@@ -11,13 +11,16 @@ from images import image_of, noise
 from PIL import Image
 from shapes import moved, plate, scene, sphere
 
+from viewer.plan.warnings import sample_warnings
 from viewer.scene.material import Material, Texture
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 from viewer.scene.texture_image import open_texture_image
+from viewer.settings import Settings
 from viewer.trace.kinds import GLASS, SURFACE
 from viewer.trace.scene.encode import unused_maps
 from viewer.trace.scene.geometry import trace_geometry
+from viewer.trace.scene.traced_scene import plan_without_device
 
 
 def placed(geometry, instance) -> np.ndarray:
@@ -74,6 +77,17 @@ def test_lines_points_and_nothing_are_left_out():
     nothing = trace_geometry(Scene("none"))
     assert not nothing.instances and not nothing.meshes and nothing.triangle_count == 0
     assert empty.triangle_count == 0
+
+
+def test_lines_and_points_that_are_not_shown_are_warned_of():
+    line = Mesh("line", np.float32([[0, 0, 0], [1, 0, 0]]), 0, topology="lines")
+
+    def lines(*meshes: Mesh) -> list[str]:
+        plan = plan_without_device(scene(*meshes), Settings.of(mode="path"))
+        return sample_warnings({"samples": 1, "plan": plan.to_json()})
+
+    assert lines(line, plate()) == ["1 mesh of lines or points: mode path does not show them"]
+    assert lines(line, line) == ["2 meshes of lines or points: mode path does not show them"] and not lines(plate())
 
 
 def test_meshes_without_indices_and_with_odd_ends():

@@ -106,6 +106,8 @@ NO_PHOTONS = "photons: "
 """Before the reason, in the plan of mode path, why there are none although the settings ask for them."""
 DEEP_GLASS = "solids of glass lie in one another "
 """Before how many do and how many paths know of, in the plan of mode path."""
+NO_TRIANGLES = " of lines or points: mode path does not show them"
+"""After how many meshes, in the plan of mode path."""
 TOLD_SHARE = 0.01
 """Of the photons' light: less than this that is missing is told in the statistics alone."""
 
@@ -119,7 +121,7 @@ def sample_warnings(stats: Mapping[str, Any]) -> list[str]:
     left_out = stats.get("plan", {}).get("left_out", ())
     lines += [f"caustics has no effect: {line.removeprefix(NO_PHOTONS)}" for line in left_out
               if line.startswith(NO_PHOTONS)]
-    lines += [line for line in left_out if line.startswith(DEEP_GLASS)]
+    lines += [line for line in left_out if line.startswith(DEEP_GLASS) or line.endswith(NO_TRIANGLES)]
     if stats.get("photons") == 0:
         lines.append("the picture ended before the first photons arrived: what lamps throw through smooth glass and "
                      "off smooth mirrors is missing")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.explain import omitted_anisotropy
 from ..plan.model import Program
-from ..plan.warnings import DEEP_GLASS
+from ..plan.warnings import DEEP_GLASS, NO_TRIANGLES
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
@@ -84,7 +84,7 @@ class TracePlan:
         }
 
 
-_MISSING = "no path from the camera can hit them", "the path tracer shows triangles only", DEEP_GLASS
+_MISSING = "no path from the camera can hit them", NO_TRIANGLES, DEEP_GLASS
 _MEDIA = {"medium": "HAS_SCATTERING", "airlight": "HAS_AIRLIGHT"}
 """The passes between surfaces, and their switches."""
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
@@ -213,7 +213,7 @@ def _left_out(
     lines = []
     if geometry.left_out_instances:
         count = geometry.left_out_instances
-        lines.append(f"{count} mesh{'es' * (count > 1)} of lines or points: the path tracer shows triangles only")
+        lines.append(f"{count} mesh{'es' * (count > 1)}{NO_TRIANGLES}")
     if not (geometry.instances or geometry.has_grids or geometry.fog or geometry.curves):
         return [*lines, "everything but the background: there are no triangles"]
     if not switches["HAS_LIGHTS"]:
