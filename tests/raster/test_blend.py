@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from images import image_of
 from shapes import moved, orthographic, plate, scene, sphere
 
 import viewer
 from viewer.base.resources import resource_folder
-from viewer.scene.material import Material
+from viewer.scene.material import Material, Texture
 
 RED, BLUE = (0.8, 0.1, 0.1), (0.1, 0.2, 0.9)
 
@@ -67,6 +68,17 @@ def test_opaque_things_hide_what_blends_behind_them(radiance):
     model = scene((plate(0), moved((0, 0, -0.5))), (plate(1), moved((0, 0, 0.5))), materials=[pane(RED, 0.5), wall])
     picture = radiance(model, orthographic(height=1.0), (8, 8), background="none")
     assert np.abs(picture - [0.1, 0.6, 0.2, 1.0]).max() < 1e-6
+
+
+@pytest.mark.parametrize("mode, cutoff", [("blend", 0.5), ("mask", 0.125)])
+def test_what_a_map_leaves_out_is_not_seen_from_far_away(radiance, mode, cutoff):
+    """A map of white texels, one of four, between transparent black ones, as in maps of leaves and letters."""
+    pixels = np.zeros((64, 64, 4), np.uint8)
+    pixels[::2, ::2] = 255
+    cut = Material(base_color_texture=Texture(image_of(pixels)), unlit=True, alpha_mode=mode, alpha_cutoff=cutoff)
+    picture = radiance(scene(plate(), materials=[cut]), orthographic(height=1.0), (8, 8), background="none")
+    assert np.abs(picture[..., :3] - picture[..., 3:]).max() < 1e-3
+    assert np.abs(picture[..., 3] - (64 / 255 if mode == "blend" else 1)).max() < 1e-3
 
 
 def test_background_none_is_transparent_and_covers_by_share(radiance):

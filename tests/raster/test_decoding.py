@@ -5,10 +5,13 @@ from __future__ import annotations
 import io
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
+from shapes import plate
+from shapes import scene as scene_of
 from waiting import wait_until
 
 import viewer
@@ -17,6 +20,7 @@ from viewer.errors import InputError
 from viewer.plan.planner import plan_scene
 from viewer.raster.sampled_images import channels_read, decode_ahead, sampled_images
 from viewer.scene.decoding import Decoder, decode_levels
+from viewer.scene.material import Material, Texture
 from viewer.scene.texture_image import open_texture_image
 from viewer.settings import Settings
 
@@ -94,6 +98,17 @@ def test_what_another_plan_read_is_kept(scene):
     read = channels_read(plan, {})
     image = next(iter(read))
     assert channels_read(plan, {image: "RGBA"})[image] == "RGBA"
+
+
+@pytest.mark.parametrize("material, letters", [
+    (Material(alpha_mode="opaque"), "RGB"), (Material(alpha_mode="mask"), "RGBC"),
+    (Material(alpha_mode="blend"), "RGBC"),
+])
+def test_only_alpha_that_covers_is_read_as_coverage(pixels, material, letters):
+    texture = Texture(encoded(pixels))
+    plan = plan_scene(scene_of(plate(), materials=[replace(material, base_color_texture=texture)]), Settings(), (),
+                      samples=1, half_target=False, orthographic=False)
+    assert channels_read(plan, {}) == {(texture.image, "srgb"): letters}
 
 
 def test_channels(pixels):

@@ -88,3 +88,23 @@ def test_an_edge_in_srgb_is_half_the_light():
     edge[:, 1] = 255
     assert mip_levels(edge, srgb=True)[1].ravel().tolist() == [188, 188, 188, 128]
     assert mip_levels(edge)[1].ravel().tolist() == [128] * 4
+
+
+@pytest.mark.parametrize("dtype, srgb", [(np.uint8, True), (np.uint8, False), (np.uint16, False), (np.float16, False)])
+@pytest.mark.parametrize("size", [(64, 64), (33, 47), (1, 5)])
+def test_colours_below_no_coverage_are_not_seen(size, dtype, srgb):
+    """White cut out of black stays white in all levels, and a picture of two colours is theirs by coverage."""
+    rng = np.random.default_rng(11)
+    full = np.iinfo(dtype).max if dtype != np.float16 else 1
+    pixels = np.zeros((*size, 4), dtype)
+    pixels[rng.uniform(size=size) < 0.2] = full
+    for level in mip_levels(pixels, srgb, covers=True)[1:]:
+        assert (level[level[..., 3] > 0][:, :3] == full).all() and not level[level[..., 3] == 0].any()
+    pixels = rng.uniform(0.2 * full, full, (*size, 4)).astype(dtype)
+    if not srgb:
+        larger, smaller = (level.astype(np.float64) for level in mip_levels(pixels, covers=True)[:2])
+        shown = box(larger[..., :3] * larger[..., 3:]) / box(larger[..., 3:])
+        assert np.abs(smaller[..., :3] - shown).max() <= (0.51 if full > 1 else 1e-3)
+    pixels[..., 3] = full
+    for covered, plain in zip(mip_levels(pixels, srgb, covers=True), mip_levels(pixels, srgb), strict=True):
+        np.testing.assert_array_equal(covered, plain)

@@ -24,18 +24,22 @@ def decode_ahead(scene: Scene, settings: Settings) -> Decoder:
 def channels_read(
     plan: Plan, before: Mapping[tuple[TextureImage, Encoding], str]
 ) -> dict[tuple[TextureImage, Encoding], str]:
-    """The channels, R, RGB or RGBA, of each image that some map of this plan reads, or has read `before`.
+    """The channels, R, RGB, RGBA or RGBC, of each image that some map of this plan reads, or has read `before`.
+
+    C is the alpha of a base colour, which covers what is behind it; other maps have another quantity there.
 
     An image that two maps share (occlusion and roughness) is stored once for each encoding.
     """
     reads = {image: set(channels) for image, channels in before.items()}
     for draw in plan.draws:
         for name in draw.maps:
-            opaque = name == "base_color" and draw.surface.alpha_mode == "opaque"
             image = MAPS[name].texture(draw.surface).image
             info = MAPS[name].info
-            reads.setdefault((image, info.encoding), set()).update("RGB" if opaque else info.channels)
-    return {read: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
+            letters = info.channels
+            if name == "base_color":
+                letters = "RGB" if draw.surface.alpha_mode == "opaque" else "RGBC"
+            reads.setdefault((image, info.encoding), set()).update(letters)
+    return {read: "R" if letters == {"R"} else "RGBC" if "C" in letters else "RGBA" if "A" in letters else "RGB"
             for read, letters in reads.items()}
 
 

@@ -17,7 +17,7 @@ from ..scene.parameter import Encoding
 from ..scene.texture_image import TextureImage
 
 Key = tuple[TextureImage, str, Encoding]
-"""An image, the channels to read (R, RGB or RGBA), and what they are."""
+"""An image, the channels to read (R, RGB, RGBA, or RGBC where the fourth is coverage), and what they are."""
 
 _THREADS = 2
 _MAX_PENDING = 4
@@ -75,13 +75,14 @@ def decode_levels(image: TextureImage, channels: str, encoding: Encoding) -> lis
     """The mip levels of `image`, (H, W, C) each, with the fewest channels that contain `channels`.
 
     They are uint8 (encoded as sRGB if the image is) or uint16. sRGB images with 16 bits are decoded to linear float16.
-    Those of normals have a fourth channel for the spread of the normals (`with_spread`).
+    Those of normals have a fourth channel for the spread of the normals (`with_spread`). Those of RGBC have the colours
+    that are seen.
     """
     if encoding == "normal":
         return with_spread(mip_levels(image.decode("RGB")))
     is_srgb = encoding == "srgb"
     pixels = _pixels(image, channels, is_srgb)
-    return mip_levels(pixels, is_srgb and pixels.dtype == np.uint8)
+    return mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers=channels == "RGBC")
 
 
 def _pixels(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:

@@ -12,15 +12,19 @@ _BAND = 64  # rows per step, so that intermediate arrays stay in the processor's
 _FULL = 16383  # linear light 1 as an integer; the sum of four such values fits in 16 bits
 
 
-def mip_levels(pixels: np.ndarray, srgb: bool = False) -> list[np.ndarray]:
+def mip_levels(pixels: np.ndarray, srgb: bool = False, covers: bool = False) -> list[np.ndarray]:
     """`pixels`, (H, W, C) uint8, uint16 or float, and all smaller levels down to 1x1.
 
     Each level has half the width and height of the one before, rounded down. With `srgb` the pixels must be uint8, and
-    their first three channels are decoded from sRGB, averaged in linear light and encoded again.
+    their first three channels are decoded from sRGB, averaged in linear light and encoded again. With `covers` the last
+    of two or four channels is coverage, by which the others are weighted, so that a level times its coverage is the
+    mean of what the pixels show (Porter & Duff 1984): what stands below coverage 0, mostly black, is not seen.
     """
-    levels = [pixels]
+    levels, channels = [pixels], pixels.shape[2]
+    full = np.iinfo(pixels.dtype).max if pixels.dtype.kind == "u" else 1
+    half = _half_of_covered if covers and channels in (2, 4) and (pixels[..., -1] < full).any() else _half
     while max(levels[-1].shape[:2]) > 1:
-        levels.append(_half(levels[-1], srgb))
+        levels.append(half(levels[-1], srgb))
     return levels
 
 
@@ -35,6 +39,23 @@ def _half(pixels: np.ndarray, srgb: bool) -> np.ndarray:
     if srgb:
         return _tables()[1].take((means * (4 * _FULL) + 0.5).astype(np.uint16))
     return (np.rint(means) if pixels.dtype.kind == "u" else means).astype(pixels.dtype)
+
+
+def _half_of_covered(pixels: np.ndarray, srgb: bool) -> np.ndarray:
+    """As `_half`; where nothing is covered, colours are averaged as they are."""
+    half = _half(pixels, srgb)
+    coverage = pixels[..., -1].astype(np.float32)
+    covered = means_of_four(coverage[..., None])[..., 0]
+    is_seen = covered > 0
+    for channel in range(pixels.shape[2] - 1):
+        values = pixels[..., channel]
+        light = _tables()[0].take(values) if srgb else values
+        shown = means_of_four((light * coverage)[..., None])[..., 0][is_seen] / covered[is_seen]
+        if srgb:
+            half[is_seen, channel] = _tables()[1].take((shown * 4 + 0.5).astype(np.uint16))
+        else:
+            half[is_seen, channel] = np.rint(shown) if pixels.dtype.kind == "u" else shown
+    return half
 
 
 def means_of_four(values: np.ndarray) -> np.ndarray:
