@@ -58,7 +58,15 @@ def test_a_plain_picture_imports_nothing_that_other_pictures_need(tmp_path):
     found = imported_by(f"from viewer import cli; cli.main(['render', {str(model)!r}, '-o', 'a.png', '--size', '8'])",
                         tmp_path)
     assert (tmp_path / "a.png").exists() and "viewer.raster.renderer" in found
-    others = {"importlib.metadata", "multiprocessing", "numpy.random", "numpy.testing", "ssl",
-              "urllib.request", "viewer.batch.keys", "viewer.batch.processes", "xml.sax"}
+    others = {"PIL.ImageDraw", "importlib.metadata", "multiprocessing", "numpy.random", "numpy.testing", "ssl",
+              "urllib.request", "viewer.batch.contact", "viewer.batch.keys", "viewer.batch.processes",
+              "viewer.image.sheet", "xml.sax"}
     assert (OF_PICTURES | others) & found == set()
     assert [name for name in found if name.startswith("viewer.trace")] == []
+
+
+def test_the_end_of_the_process_does_not_look_for_garbage():
+    code = ("import gc, sys\nfrom viewer.__main__ import main\nsys.argv[1:] = ['--help']\ntry:\n    main()\n"
+            "except SystemExit as end:\n    print(end.code, gc.get_freeze_count() > 1000, file=sys.stderr)")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.split() == ["0", "True"] and "Commands" in done.stdout

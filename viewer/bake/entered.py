@@ -21,7 +21,7 @@ POWERS, PEAK = (4, 16), (0.58205, 1.1372)
 """Of the cosine of half the angle in the azimuth, and ENTERED_PEAK."""
 _ALONG = 48
 """Quadrature nodes in s: those of Chebyshev's polynomials of the second kind."""
-_AROUND = tuple(part / 2 for part in np.polynomial.legendre.leggauss(8))
+_AROUND = 8
 """Those of Gauss and Legendre, for each quarter of the azimuth."""
 
 
@@ -64,6 +64,7 @@ def entered_share(alpha: float, thickness: float, sine: NDArray, azimuth: NDArra
     a2 = alpha * alpha - 1
     lambda_o = np.sqrt(1 + a2 * along**2) / cosine
     total = np.zeros_like(along)
+    nodes, node_weights = (part / 2 for part in np.polynomial.legendre.leggauss(_AROUND))
     for x in np.cos(np.arange(1, _ALONG + 1) * math.pi / (_ALONG + 1)).tolist():
         flat = 1 - x * x
         weights = [share * peak * 2 / (_ALONG + 1) * flat * kernel(r, along, -x)
@@ -71,7 +72,7 @@ def entered_share(alpha: float, thickness: float, sine: NDArray, azimuth: NDArra
         area = math.sqrt(1 + a2 * x * x)
         # Where the azimuth crosses the surface
         level = np.arccos(np.clip(-sine * x / np.maximum(b * math.sqrt(flat), 1e-9), -1, 1))
-        for node, weight in zip(0.5 + _AROUND[0], _AROUND[1]):
+        for node, weight in zip(0.5 + nodes, node_weights):
             for to, side in ((0.0, 1), (0.0, -1), (math.pi, 1), (math.pi, -1)):
                 angle = side * (level + (to - level) * node**2)  # closer together near the surface
                 up = sine * x + b * math.sqrt(flat) * np.cos(angle)

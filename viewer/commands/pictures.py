@@ -148,7 +148,6 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     check_camera_options(options, takes_several=True)
     options |= {"backend": backend, "has_size": is_given("size") or options["sheet"] is not None}
     from ..base.atomic import made_folders
-    from ..batch.contact import render_contact_sheet
     from ..batch.films import is_film_in_parts, render_film_in_parts
     from ..batch.run import Batch, render_all
     from ..batch.samples import is_in_parts, render_in_parts
@@ -158,7 +157,6 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     from ..jobs.inputs import find_models
     from ..jobs.outputs import base_folder, check_apart, check_layers, check_output, output_paths
     from ..jobs.render_job import RenderJob, RenderTask
-    from ..jobs.sheets import CELL, check_sheet, check_sheet_paths, is_contact_sheet
     from ..jobs.tell_error import check_tell_error, map_paths
     from ..quality import check_quality
 
@@ -170,6 +168,9 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     settings.check_ground()
     found = find_models(models)
     if options["sheet"] is not None:
+        from ..batch.contact import render_contact_sheet
+        from ..jobs.sheets import CELL, check_sheet, check_sheet_paths, is_contact_sheet
+
         if not is_given("size"):
             options["size"] = CELL
         check_sheet(found, output, options, stats)

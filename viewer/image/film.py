@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -72,6 +71,8 @@ def _write_pillow(path: Path, frames: _Counted, fps: float) -> None:
 
 
 def _write_mp4(path: Path, frames: _Counted, fps: float) -> None:
+    from fractions import Fraction
+
     import av
 
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:

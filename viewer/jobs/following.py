@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..raster.layers import Following
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from .assemble import find_animation, make_camera, pose
 from .film import DEFAULT_FPS, film_camera, film_frames
+
+if TYPE_CHECKING:
+    from ..raster.layers import Following
 
 
 def make_following(options: dict[str, Any]) -> Callable[[Scene, Camera], Following] | None:

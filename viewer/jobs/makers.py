@@ -37,13 +37,14 @@ class RasterMaker(PictureMaker):
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`."""
         from ..plan.legend import legend
-        from ..raster.renderer import Renderer
         from ..raster.sampled_images import decode_ahead
 
         request = self._request
         settings = request.quality.applied(request.settings)
         if self._renderer is None:
-            ahead = decode_ahead(scene, settings)  # other threads decode while this one opens OpenGL
+            ahead = decode_ahead(scene, settings)  # other threads decode while this one imports and opens OpenGL
+            from ..raster.renderer import Renderer
+
             self._renderer = Renderer(request.open(), use_cache=request.use_cache, measure=request.measure)
             self._renderer.expect(ahead)
         renderer = self._renderer

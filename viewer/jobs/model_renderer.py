@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -17,7 +18,6 @@ from ..base.signals import postponed
 from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import write_film
 from ..image.image import Image
-from ..image.sheet import labelled_sheet
 from ..plan.warnings import camera_warnings, sample_warnings
 from ..scene.camera import Camera
 from ..scene.camera_file import camera_facts
@@ -28,7 +28,6 @@ from .following import make_following
 from .makers import RasterMaker, make_picture_maker
 from .picture_maker import RenderRequest
 from .render_job import RenderJob, RenderTask
-from .sheets import sheet_views
 from .views import View, views_of
 
 if TYPE_CHECKING:
@@ -57,6 +56,7 @@ class ModelRenderer:
             measure=job.measure, quiet=options["quiet"], chooses=job.chooses, tell_error=options["tell_error"],
             following=make_following(options), tell=tell)
         self._maker = make_picture_maker(self._request)
+        threading.Thread(target=_load_driver, args=(options["backend"],)).start()
 
     def __enter__(self) -> Self:
         return self
@@ -150,6 +150,9 @@ class ModelRenderer:
 
     def _sheet(self, task: RenderTask, scene: Scene, start: float, progress: Progress) -> Record:
         """As `_picture`, of all views in one; the plan and the times of preparing are those of the last view."""
+        from ..image.sheet import labelled_sheet
+        from .sheets import sheet_views
+
         path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
         views, cells = sheet_views(task.model, scene, self._job.options), []
         self._choose_quality(scene, self._job.options["size"])  # that of each view
@@ -264,6 +267,15 @@ class ModelRenderer:
             "wall_s": seconds, **maker.stats, "warnings": list(scene.all_warnings),
             "memory": memory_mb() | {"textures_mb": maker.texture_bytes / 1e6},
         }
+
+
+def _load_driver(backend: str) -> None:
+    """Load the driver that a context of `backend` needs, while another thread reads the model."""
+    from ..gpu.context import auto_backends
+    from ..gpu.egl import load_driver
+
+    if (auto_backends()[0] if backend == "auto" else backend) == "egl":
+        load_driver()
 
 
 def _words(error: ViewerError | MemoryError) -> str:

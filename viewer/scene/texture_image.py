@@ -84,6 +84,7 @@ class TextureImage:
             except ValueError as error:
                 raise InputError(self.name, "", str(error)) from error
         with _as_input_error(self.name), Image.open(io.BytesIO(self.data), formats=(self.format,)) as image:
+            image.decodermaxblock = len(self.data)  # for each block it would wait for other threads of Python
             image.load()
             plain = _plain_mode(image)
             if channels is None or channels == "RGBA"[:len(plain.getbands())]:
