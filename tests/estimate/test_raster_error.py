@@ -47,6 +47,17 @@ def test_the_interval_holds_the_true_error(name):
     assert errors[0].high < 2 * true and errors[0].low > 0.3 * true
 
 
+def test_the_interval_holds_the_error_where_light_is_rare():
+    """One of fifty samples has all the light of a pixel, which a black picture lacks. Pixels that have met it are too
+    bright, and light those around them, so that their errors weigh too little."""
+    right, every = np.full((32, 32, 3), 0.1, np.float32), np.ones((32, 32), bool)
+    true = float(0.1**2 / (0.1**2 + EPSILON))
+    for seed in range(6):
+        found = np.random.default_rng(seed).binomial(8, 0.02, (GROUPS, 32, 32, 1))
+        error = raster_error(np.zeros_like(right), (right * found * 50 / 8).astype(np.float32), every, 64, 1.0)
+        assert error.relmse < 0.9 * true and error.low <= true <= error.high < 2 * true
+
+
 def test_with_many_samples_it_is_the_definition():
     raster = RASTERS["without texture"]
     error = told(raster, 2000)
