@@ -188,6 +188,18 @@ def test_a_scene_that_was_drawn_begins_with_the_best_rung_there_is_time_for(make
     assert [maps(settings) for settings in machine.drawn] == [64] and choice.seconds < 0.5
 
 
+def test_maps_that_are_held_are_used_with_fewer_points(make):
+    """A scene that was drawn with 64 shadow maps has them, and time for one point a pixel; otherwise none are drawn for
+    so few."""
+    machine = Machine(sample=5.0)
+    chooser = Chooser(None, Raster(machine), Paths(machine), machine.clock)
+    _, choice = make(machine, chooser, time_budget=5)
+    held, = (rung for rung in choice.rungs if rung["method"].endswith("64 lights, no antialiasing"))
+    assert "SSAA 9" in choice.method and held["seconds"] is None
+    _, choice = make(machine, chooser, time_budget=0.075)
+    assert choice.method == held["method"] and choice.seconds < 0.075
+
+
 def test_few_paths_do_not_keep_the_raster_from_climbing(make):
     """There is time for four samples a pixel, which bring less than shadows of the environment."""
     machine = Machine()
@@ -277,15 +289,18 @@ def test_groups_have_their_samples_evenly_and_keep_unfinished_ones():
     assert groups.samples == before
 
 
-def test_rounds_double_and_end_where_they_are_wanted():
+@pytest.mark.parametrize("growth, rounds", [(1.0, [4, 8, 16, 28]), (3.0, [4, 16, 64, 76])])
+def test_rounds_grow_and_end_where_they_are_wanted(growth, rounds):
     machine = Machine()
-    groups = groups_of(machine)
+    settings = Settings(mode="path")
+    groups = PathGroups(Paths(machine), None, None, settings, (SIZE, SIZE), making.GROUPS, growth=growth,
+                        clock=machine.clock)
     seen = []
     for most in [np.inf] * 3 + [12.0]:
         for _ in range(4):
             groups.step(100.0, most)
         seen.append(groups.samples)
-    assert seen == [4, 8, 16, 28]
+    assert seen == rounds
 
 
 def test_the_raster_is_no_lamp_that_paths_never_meet(make):

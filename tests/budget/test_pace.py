@@ -69,6 +69,19 @@ def test_maps_that_are_held_do_not_tell_what_others_take(pace):
     assert pace.frame(more) == pytest.approx(before, rel=1e-3)
 
 
+def test_with_the_maps_that_are_held_fewer_points_are_known(pace):
+    """Nothing is to be drawn or compiled for them; of other maps, and of more points, there may be."""
+    fine, coarse = (Settings(antialias=antialias, environment_shadows="64") for antialias in ("ssaa-9", "none"))
+    pace.first = 0.5
+    pace.drawn(PLAIN, 0.1, 0.0)
+    assert not pace.knows(coarse) and pace.knows(PLAIN)
+    pace.drawn(fine, 4.0, 3.0)
+    assert pace.knows(coarse) and pace.frame(coarse) == pytest.approx(work(coarse) / work(fine))
+    assert not pace.knows(SHADOWED) and not pace.knows(replace(fine, antialias="ssaa-16"))
+    pace.frames[PLAIN] = 0.9  # of many triangles
+    assert pace.frame(coarse) == 0.9
+
+
 def test_of_another_scene_or_size_nothing_is_known(pace, square):
     for scene_of, size, is_held in ((square, SIZE, False), (square, (9, 8), True), (replace(square), SIZE, True)):
         pace.of(square, SIZE, True)
@@ -91,7 +104,7 @@ def test_what_is_set_stays(square):
     lit = replace(square, environment=load_environment("furnace"))
     titles = [title for title, _ in climb(lit, Settings())]
     assert titles[0] == "image-based light, no antialiasing" and titles[-1] == \
-        "shadows of the environment, 64 lights, SSAA 9" and len(titles) == 5
+        "shadows of the environment, 64 lights, SSAA 9" and len(titles) == 6
     fixed = climb(lit, Settings(antialias="msaa-2"))
     assert {changed.antialias for _, changed in fixed} == {"msaa-2"}
     assert [changed.environment_shadows for _, changed in fixed] == ["off", "16", "64"]

@@ -36,6 +36,8 @@ SHADOWS = "environment shadows"
 """What the renderer calls the time of their maps."""
 LEAST_GROWTH, MOST_GROWTH = 1.25, 2.0
 """Of the number of samples, between two looks at the error."""
+ROUND = 3.0
+"""Times the samples so far, of the next round: it takes a while until the last paths of each picture have ended."""
 WORTH = 16
 """Samples a pixel with which paths bring about as much as the rest of the ladder (benchmarks/results/mixture.md)."""
 
@@ -64,7 +66,7 @@ class Making:
         self._climb(traced is not None)
         groups = PathGroups(self._tracer, self._scene, self._camera,
                             replace(traced or path_settings(raster), background=background), self._size, GROUPS,
-                            clock=self._clock)
+                            growth=ROUND, clock=self._clock)
         told = None
         try:
             if self._may_trace() and not self._wants_to_stop():
@@ -82,8 +84,15 @@ class Making:
     def _first(self) -> int:
         """The best rung whose time is known, for a scene that was drawn before; else the first."""
         known = [k for k, (_, settings) in enumerate(self._rungs)
-                 if settings in self._pace.frames and self._fits(self._pace.frame(settings))]
+                 if self._pace.knows(settings) and self._fits(self._pace.frame(settings))]
         return max(known, default=0)
+
+    @property
+    def _next(self) -> int | None:
+        """The rung to climb to: none with fewer shadow maps than there are, nor one that draws more than the next."""
+        count = [maps(settings) for _, settings in self._rungs]
+        return next((k for k in range(self._rung + 1, len(count)) if count[k] >= count[self._rung] and (
+            count[k] <= min(count[k:]) or self._pace.knows(self._rungs[k][1]))), None)
 
     def _fits(self, seconds: float, may_trace: bool = True) -> bool:
         """Whether there is time for it; and, if there is time for many paths, whether it leaves them most of it. To a
@@ -93,17 +102,17 @@ class Making:
         return 3 * seconds <= self._left or (seconds <= self._left and not (may_trace and self._may_trace(WORTH)))
 
     def _climb(self, may_trace: bool) -> None:
-        while self._rung + 1 < len(self._rungs) and not self._wants_to_stop():
-            (_, held), (_, settings) = self._rungs[self._rung:self._rung + 2]
+        while (rung := self._next) is not None and not self._wants_to_stop():
+            held, settings = self._rungs[self._rung][1], self._rungs[rung][1]
             if maps(settings) and self._pace.small is None and self._pace.frames[held] <= self._left:
                 width, height = (max(side // SMALL, 1) for side in self._size)
                 # The first makes a target of that size.
                 self._pace.small = min(self._drawn_in(held, (width, height)) for _ in range(2))
             seconds = self._pace.frame(settings)
-            self._choice.rungs[self._rung + 1]["expected_s"] = seconds if math.isfinite(seconds) else None
+            self._choice.rungs[rung]["expected_s"] = seconds if math.isfinite(seconds) else None
             if not self._fits(seconds, may_trace):
                 return
-            self._draw(self._rung + 1)
+            self._draw(rung)
 
     def _draw(self, rung: int) -> None:
         """What was drawn is the raster's picture from now on."""
@@ -162,7 +171,7 @@ class Making:
             told = self._combine(self._radiance[..., :3], Samples(groups.total, groups.count))
             told = told if mixes else {"drawn": told["drawn"]}
             best = min(told.values(), key=lambda one: one.relmse)
-            is_hopeless = not mixes and self._rung + 1 == len(self._rungs) and best.low > (target or 0.0) ** 2
+            is_hopeless = not mixes and self._next is None and best.low > (target or 0.0) ** 2
             if target is None or best.high <= target**2 or is_hopeless or self._is_over(groups):
                 return told
             look = groups.samples * min(max(best.high / target**2, LEAST_GROWTH), MOST_GROWTH)

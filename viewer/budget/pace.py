@@ -73,6 +73,11 @@ class Pace:
         if maps(settings) not in (0, self._maps):
             self._map, self._maps = shadows / maps(settings), maps(settings)
 
+    def knows(self, settings: Settings) -> bool:
+        """Whether the raster has drawn such a frame, or one with the same maps, which are there, and programs."""
+        most = max((drawn.supersampling for drawn in self.frames), default=0)
+        return settings in self.frames or (0 < maps(settings) == self._maps and settings.supersampling <= most)
+
     def frame(self, settings: Settings) -> float:
         """A picture by the raster, with what it has to prepare; infinite as long as none was drawn."""
         count = maps(settings)
@@ -82,6 +87,8 @@ class Pace:
         likely = min((self.frames[drawn] * work(settings) / work(drawn) for drawn in alike), default=math.inf)
         if settings in self.frames:  # what it compiled the first time is no part of it now
             return min(self.frames[settings], ALIKE * likely) + SURE * drawing
+        if self.knows(settings):
+            return max(likely, min(self.frames.values()))
         compiling = self.first - self.textures if self.first is not None else UNKNOWN * likely
         compiling *= 1.0 if count and not any(map(maps, self.frames)) else RESOLVE
         return GUESSED * (likely + drawing + compiling)

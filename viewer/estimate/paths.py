@@ -52,17 +52,17 @@ def path_settings(settings: Settings) -> Settings:
 class PathGroups:
     """Sums of samples in `groups` groups, which have nothing in common.
 
-    `step` traces on. A round gives each group a picture of as many samples, at most as many as it had, so that what is
-    there may be used at any time once it `is_enough`. The pictures of a group share one sequence of random numbers, as
-    that has less noise than several. `settings` are those of mode path. Each `every`-th pixel of a row and of a column
-    is traced. `is_masked`: what `shows_model` needs is found, too.
+    `step` traces on. A round gives each group a picture of as many samples, at most `growth` times as many as it had,
+    so that what is there may be used at any time once it `is_enough`. The pictures of a group share one sequence of
+    random numbers, as that has less noise than several. `settings` are those of mode path. Each `every`-th pixel of a
+    row and of a column is traced. `is_masked`: what `shows_model` needs is found, too.
     """
 
     def __init__(self, tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-                 groups: int, every: int = 1, is_masked: bool = False,
+                 groups: int, every: int = 1, is_masked: bool = False, growth: float = 1.0,
                  clock: Callable[[], float] = time.perf_counter) -> None:
         self._tracer, self._scene, self._camera, self._size = tracer, scene, camera, size
-        self._settings, self._is_masked, self._clock = settings, is_masked, clock
+        self._settings, self._is_masked, self._growth, self._clock = settings, is_masked, growth, clock
         self.every = every
         shape = size[1] // every, size[0] // every
         self.total = np.zeros((groups, *shape, 4), np.float32)
@@ -145,7 +145,8 @@ class PathGroups:
         started = self._clock()
         if self._render is None:
             if self.is_even:
-                self._spp = int(max(min(most / len(self.total), self.samples / len(self.total), _MOST_SPP), 1))
+                had = self.samples / len(self.total)
+                self._spp = int(max(min(most / len(self.total), self._growth * had, _MOST_SPP), 1))
             self._render = self._begin()
             if self._begun == 1:
                 started = self._clock()
