@@ -303,6 +303,16 @@ def test_rounds_grow_and_end_where_they_are_wanted(growth, rounds):
     assert seen == rounds
 
 
+def test_a_round_fills_its_time():
+    """Pictures take 0.1 s and 0.02 s for each sample."""
+    groups = groups_of(Machine())
+    assert groups.within(5.0) == np.inf
+    groups._took = {1: 0.12}
+    assert groups.within(4.8) == pytest.approx(40)
+    groups._took[3] = 0.16
+    assert groups.within(4 * (0.1 + 0.02 * 7)) == pytest.approx(28) and groups.within(0.1) == 0
+
+
 def test_the_raster_is_no_lamp_that_paths_never_meet(make):
     """With enough samples the picture is the paths', whatever the raster shows."""
     assert RASTERS["one bright spot"].max() > truth().max()

@@ -36,8 +36,9 @@ SHADOWS = "environment shadows"
 """What the renderer calls the time of their maps."""
 LEAST_GROWTH, MOST_GROWTH = 1.25, 2.0
 """Of the number of samples, between two looks at the error."""
-ROUND = 3.0
-"""Times the samples so far, of the next round: it takes a while until the last paths of each picture have ended."""
+ROUND = 8.0
+"""Times the samples so far, of the next round, at most: few rounds are better, since it takes a while until the last
+paths of each picture have ended."""
 WORTH = 16
 """Samples a pixel with which paths bring about as much as the rest of the ladder (benchmarks/results/mixture.md)."""
 
@@ -189,7 +190,7 @@ class Making:
             if left <= last or (groups.pictures > 1 and missing * groups.each > left):
                 break
             before, is_near = self._clock(), left < 2 * SLICE_S
-            groups.step(0.0 if is_near else SLICE_S, min(left / max(groups.each, 1e-6), samples - groups.samples))
+            groups.step(0.0 if is_near else SLICE_S, min(groups.within(left), samples - groups.samples))
             last = self._clock() - before - (0.0 if is_near else SLICE_S)  # of one iteration, at least
             self._tell(groups, samples)
         groups.end()

@@ -73,6 +73,8 @@ class PathGroups:
         """Spent so far, the preparation of the scene left out."""
         self.each = 0.0
         """Of that for one sample a pixel, in the picture that was finished last."""
+        self._took: dict[int, float] = {}
+        """Seconds of pictures that are finished, by their samples a pixel."""
         self.pictures = 0
         """That are finished."""
         self.missing: tuple[str, ...] = ()
@@ -157,7 +159,18 @@ class PathGroups:
             if self._is_masked and self.pictures < len(self.total):
                 self._hits |= self._render.film.read_layers()[0][..., 3] > 0
             self.end()
+            self._took[self._spp] = self._spent
             self.pictures, self.each, self._spent = self.pictures + 1, self._spent / self._spp, 0.0
+
+    def within(self, seconds: float) -> float:
+        """The samples a pixel that a round of so many seconds may have: n in each picture take a + b n, where a is for
+        the paths that end last. Infinite before a picture is finished."""
+        if not self._took:
+            return math.inf
+        (least, short), (most, long) = min(self._took.items()), max(self._took.items())
+        b = max((long - short) / (most - least) if most > least else long / most, 1e-9)
+        a = max(long - b * most, 0.0)
+        return len(self.total) * max(seconds / len(self.total) - a, 0.0) / b
 
     def _begin(self) -> PathRender:
         group = self._begun % len(self.total)
