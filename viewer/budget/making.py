@@ -190,7 +190,7 @@ class Making:
             if left <= last or (groups.pictures > 1 and missing * groups.each > left):
                 break
             before, is_near = self._clock(), left < 2 * SLICE_S
-            groups.step(0.0 if is_near else SLICE_S, min(groups.within(left), samples - groups.samples))
+            groups.step(0.0 if is_near else SLICE_S, min(groups.within(left / SURE), samples - groups.samples))
             last = self._clock() - before - (0.0 if is_near else SLICE_S)  # of one iteration, at least
             self._tell(groups, samples)
         groups.end()
