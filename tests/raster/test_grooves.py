@@ -120,3 +120,13 @@ def test_only_grooved_maps_have_the_code(context: Context):
         assert program["GROOVED"] == program["ANISOTROPIC"] == is_grooved
         assert program["LOOKUPS"] == (16 if is_grooved else 2)
     renderer.release()
+
+
+def test_a_map_that_a_coat_wore_first_is_grooved_on_a_base(context: Context):
+    renderer = Renderer(context)
+    camera, settings = orthographic(0.0, 0.0, height=1.0), Settings.of(antialias="none")
+    texture = Texture(image_of(grooves(0.0)))
+    for material in (Material(clearcoat=1.0, clearcoat_normal_texture=texture), Material(normal_texture=texture)):
+        renderer.render(scene(plate(), materials=[material], environment=lopsided()), camera, settings, (4, 4))
+    assert renderer.plan.programs[0]["GROOVED"] == 1
+    renderer.release()

@@ -77,8 +77,9 @@ class Textures:
         for draw in plan.draws:
             for name in draw.maps:
                 image, encoding = MAPS[name].texture(draw.surface).image, MAPS[name].info.encoding
-                if name == "normal":
+                if name == "normal" and image not in self._normal_maps:
                     self._normal_maps.add(image)
+                    self._release_of(image)  # what a coat's map has not kept of its grooves
                 self._examples.setdefault(name, (image, self._channels[image, encoding], encoding))
         known = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
         self._decoders.append(Decoder(sampled_images(plan, self._channels) - known))
@@ -145,7 +146,14 @@ class Textures:
 
     def _release_unread(self) -> None:
         """Release the textures that no map reads any more: their image or their set of channels is not in use."""
-        for key in [key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]]:
+        self._release([key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]])
+
+    def _release_of(self, image: TextureImage) -> None:
+        """Release the texture of a normal map, if there is one, so that its image is decoded again."""
+        self._release([key for key in self._textures if key[0] is image and key[2] == "normal"])
+
+    def _release(self, keys: list[Key]) -> None:
+        for key in keys:
             self._textures.pop(key).release()
             del self._sizes[key], self._means[key]
             if key[2] == "normal" and key[0] in self._roots:
