@@ -117,14 +117,23 @@ def test_few_samples_come_one_by_one_to_a_film_in_parts():
         assert numbers == list(range(start, start + 6))
 
 
-def test_the_first_picture_has_one_sample_and_a_small_one_fills_the_wave():
+def test_a_picture_larger_than_a_wavefront_shows_one_sample_first():
     schedule = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path"))
-    assert all(work.samples == 1 and work.first == 0 for work in schedule.next(100, True))
-    small = Schedule(NoisyFilm(np.ones((2, 2))), Settings(mode="path")).next(64, True)
-    assert len(small) == 64 and {work.samples for work in small} == {1}
-    later = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path"))
-    rounds = [{work.samples for work in later.next(100, True)} for _ in range(7)]
-    assert rounds == [{1}, {1}, {2}, {4}, {4}, {4}, {4}]
+    first = schedule.next(50, True) + schedule.next(50, True)
+    assert len({work[:2] for work in first}) == 100 and {work[2:] for work in first} == {(0, 1)}
+    rounds = [{work.samples for _ in range(2) for work in schedule.next(50, True)} for _ in range(6)]
+    assert rounds == [{1}, {2}, {4}, {4}, {4}, {4}]
+
+
+@pytest.mark.parametrize("traced, samples", [(100, 8), (None, 8), (10, 4), (0, 1)])
+def test_a_picture_that_a_wavefront_holds_fills_two_with_what_is_traced(traced, samples):
+    """Its items take it to the end at once, if they are not too long; tiles that are not traced take no place."""
+    schedule = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path"), traced=traced)
+    work = schedule.next(100, True)
+    assert {item.samples for item in work} == {samples} and len({item[:2] for item in work}) == 100
+    small = Schedule(NoisyFilm(np.ones((2, 2))), Settings(mode="path"))
+    waves = [small.next(64, True), small.next(64, False)]
+    assert [{item.samples for item in wave} for wave in waves] == [{2}, {2}] and small.done
 
 
 def test_a_target_is_reached_everywhere_and_what_is_done_rests():

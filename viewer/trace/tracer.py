@@ -181,7 +181,8 @@ class Tracer:
         passes = Passes(self.context, self.programs, plan, use_textures, setup.traced.set_uniforms,
                         {**setup.uniforms, "u_sky": UNIT_SKY})
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
-        return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings, first), settings,
+        schedule = Schedule(film, settings, first, None if sky is None else int(np.count_nonzero(~sky.is_bare)))
+        return PathRender(passes, setup.traced.intersector, plan, film, schedule, settings,
                           self._display, layers, setup.denoiser, photons, guide, sky, is_interactive, first)
 
     def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],

@@ -23,8 +23,9 @@ PILOT = 64
 """Samples per pixel before tiles get different numbers."""
 GROWTH = 1.5
 """Factor by which an adaptive round increases the total number of samples."""
-MAX_CHUNK = 4
-"""Most samples of one work item. Small items keep the blocks of a wavefront busy until its end."""
+MAX_CHUNK, LONG_CHUNK = 4, 8
+"""Most samples of one work item. Small items keep the blocks of a wavefront busy until its end. The longer ones are for
+pictures of a given number of samples whose tiles a wavefront holds all at once, where no item need wait for another."""
 MIN_COLLECTED = 0.75
 """Part of the samples handed out that has to be in the film before the next adaptive round."""
 DEFENSIVE = 0.25
@@ -34,8 +35,9 @@ DEFENSIVE = 0.25
 class Schedule:
     """Hands out work to the wavefronts of one picture. `done`: all work has been handed out."""
 
-    def __init__(self, film: Film, settings: Settings, first: int = 0) -> None:
-        """`first` is the number of the first sample, for a part of a picture that is neither adaptive nor timed."""
+    def __init__(self, film: Film, settings: Settings, first: int = 0, traced: int | None = None) -> None:
+        """`first` is the number of the first sample, for a part of a picture that is neither adaptive nor timed;
+        `traced` how many tiles have pixels that are traced (None: all)."""
         self._film, self._target, self._most = film, settings.error, first + settings.most_spp
         self._is_timed = settings.time_budget is not None
         self._is_adaptive = settings.error is not None or self._is_timed
@@ -43,7 +45,9 @@ class Schedule:
         columns, rows = film.tiles
         self._issued = np.full((rows, columns), first, np.int64)
         self._pixels = np.outer(_sides(film.size[1], rows), _sides(film.size[0], columns))
+        self._traced = self._issued.size if traced is None else traced
         self._rounds = 0
+        self._chunk: int | None = None
         self._parts = np.zeros((2, rows, columns), np.int64)
         """Samples of each tile that were handed out for each part of the film, if it has parts."""
         self._queue: deque[Work] = deque()
@@ -80,9 +84,7 @@ class Schedule:
         if self._is_timed and self._rounds == 1 and not is_last:
             return False
         if self._issued.min() < self._pilot:
-            chunk = min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
-            if self._film.parts and self._issued.min() < MAX_CHUNK:
-                chunk = 1  # so that both parts have as many of few samples
+            chunk = self._first_chunk(count)
             each = chunk * (1 if self._is_timed and not self._rounds else max(count // self._issued.size, 1))
             wanted = np.minimum(self._issued + each, self._pilot)
         else:
@@ -91,6 +93,15 @@ class Schedule:
         has_more = bool((wanted > self._issued).any())
         self._enqueue(wanted, chunk)
         return has_more
+
+    def _first_chunk(self, count: int) -> int:
+        """Samples of a work item, if one wavefront asks for so many items, before tiles get different numbers."""
+        if self._film.parts and self._issued.min() < MAX_CHUNK:
+            return 1  # so that both parts have as many of few samples
+        if not self._rounds and not self._is_adaptive and count >= self._issued.size:
+            left = self._most - int(self._issued.min())
+            self._chunk = min(max(-(-self._traced * left // (2 * count)), 1), LONG_CHUNK)  # fills two wavefronts
+        return self._chunk or min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
 
     def _adapt(self, is_last: bool) -> np.ndarray:
         """The number of samples that each tile shall have, so as to lower the mean relative variance most."""
