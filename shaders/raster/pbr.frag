@@ -14,6 +14,9 @@ uniform vec3 u_absorption; // extinction coefficient sigma_t, per eye-relative u
 #endif
 
 #include "raster/seen_surface.glsl"
+#if SCATTERS_INSIDE
+#include "raster/from_all_around.glsl"
+#endif
 
 #if LIGHT_COUNT > 0
 #include "raster/shade_light.glsl"
@@ -49,7 +52,7 @@ void main() {
 
     Point p = shaded_point(m);
 #if SUBSURFACE
-    m.thickness = way_through();
+    m.thickness = max(v_interior.z, 0.0);
 #endif
 
 #if HAS_TRANSMISSION && SUBSURFACE != 2
@@ -80,14 +83,10 @@ void main() {
     radiance += m.emissive;
 #endif
 #if SUBSURFACE
-    vec3 dimmed;
-    Interior inside = interior_at(m, dimmed);
+    Interior inside = interior_at(m);
 #endif
 #if HAS_TRANSMISSION && SUBSURFACE != 2
     vec3 transmitted = transmitted_light(m, p.n, p.n_geometric, p.v, blur);
-#if SUBSURFACE
-    transmitted *= dimmed;
-#endif
     radiance += through_surface(m, view, transmitted, s, p);
 #if SUBSURFACE && SEES_LAMPS_THROUGH
     p.clear *= inside.unscattered;
@@ -97,7 +96,7 @@ void main() {
     radiance += interface_environment_throughput(view.dielectric) * spread_light(v_position, p.n_geometric);
     s.diffuse_transmission_color = vec3(0.0);
 #elif SUBSURFACE
-    add_interior(inside, m, s);
+    add_interior(inside, m, s, p);
 #endif
 #if CLEARCOAT
     radiance *= view.coat.throughput;

@@ -2,6 +2,12 @@
 #include "raster/material.glsl"
 #include "raster/normal.glsl"
 #include "raster/sees_lamps_through.glsl"
+#define SCATTERS_INSIDE (SUBSURFACE == 1 || SUBSURFACE == 2)
+#if SUBSURFACE
+// Thickness d, roundness: 0 a slab, 1 a ball; the way straight through the solid, and by how much of the tangential part
+// of a direction the normal of the other side turns. Lengths are in eye-relative units.
+in vec4 v_interior;
+#endif
 #if IS_ORTHOGRAPHIC
 uniform vec3 u_view_direction; // towards the eye
 #endif
@@ -15,6 +21,9 @@ struct Point {
 #endif
 #if DIFFUSE_TRANSMISSION
     vec3 returned; // share of the light that the diffuse transmission brings from this side, 0 if thin-walled
+#endif
+#if SCATTERS_INSIDE
+    vec3 everywhere; // share of the mean light on all sides of a solid that its medium brings to each
 #endif
 #if SEES_LAMPS_THROUGH
     vec3 clear;        // share of the light from behind that passes without being scattered inside

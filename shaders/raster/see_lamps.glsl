@@ -16,7 +16,8 @@ void see_lamps(MaterialInputs m, Surface s, TRANSMITTANCE throughput, inout Poin
     p.clear_alpha = max(clear_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
     vec3 entering = refract(-p.v, p.n, 1.0 / m.ior);
 #if SUBSURFACE
-    vec3 leaving = refract(entering, -normalize(v_other_side), m.ior);
+    vec3 turned = v_interior.w * (entering - dot(entering, p.n) * p.n);
+    vec3 leaving = refract(entering, -normalize(normalize(v_other_side) + turned), m.ior);
 #else
     float curved = curvature(p.n_geometric, v_position);
     vec3 leaving = leaving_direction(p.n_geometric, curved, entering, m.thickness, m.ior);

@@ -113,6 +113,31 @@ vec3 shade_coat(Point p, Coat c, float occlusion, vec4 visible) {
 }
 #endif
 
+#if SCATTERS_INSIDE
+#if HAS_ENVIRONMENT
+uniform vec3 u_environment_mean; // radiance
+#endif
+
+// The mean light on all sides of a solid: that of the environment, half of which meets the surfaces on the point's side,
+// and half those behind.
+vec3 light_all_around(Point p, float occlusion, vec4 visible) {
+    vec3 around = vec3(0.0);
+#if HAS_ENVIRONMENT
+    around = u_environment_mean;
+#endif
+    mat2x3 specular = mat2x3(0.0);
+#if MEDIA
+    light_through_media(vec3(0.0), vec3(0.0), specular, around);
+#endif
+    vec3 behind = around;
+    meet_other_surfaces(p.NoV, 1.0, occlusion, visible, specular, around);
+#if INDIRECT
+    behind = (1.0 - clamp(v_behind.a, 0.0, 1.0)) * behind + max(v_behind.rgb, 0.0);
+#endif
+    return 0.5 * (around + behind);
+}
+#endif
+
 vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, vec4 visible) {
     mat2x3 specular = mat2x3(0.0);
     vec3 mean_light = vec3(0.0);
@@ -166,6 +191,9 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     through = mix(through, environment_irradiance_over_pi(p.n), p.returned);
 #endif
     radiance += surface_environment_transmitted(s, view) * through;
+#endif
+#if SCATTERS_INSIDE
+    radiance += from_all_around(p, s, view) * light_all_around(p, occlusion, visible);
 #endif
 #if SHEEN
     vec3 around = mean_light;

@@ -37,20 +37,35 @@ vec2 light_albedo(Point p, Surface s, vec3 l, float NoL, float perceptual_roughn
 #endif
 }
 
+#if SCATTERS_INSIDE
+// The mean radiance on all sides of a ball, for one of light i's irradiance: max(cos, 0) / pi has the mean 1 / (4 pi).
+// Other surfaces are taken to leave as much of it as they do at the point itself, `arriving`, and where the ball faces
+// the light.
+float mean_on_solid(int i, Point p, vec3 l, float arriving) {
+    float radius = 1.5 * v_interior.x;
+    float facing = light_visibility(i, v_position + radius * (1.1 * l - p.n), l, l);
+    return 0.125 * INV_PI * (arriving + facing);
+}
+#endif
+
 #if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
 // Light that a surface lets through from behind. Its far side is `behind` away, so that a solid does not shadow itself.
 vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3 irradiance) {
 #if SUBSURFACE
     vec3 far_side = v_position + p.behind * l; // on the way to the light, beyond the solid
-    irradiance *= light_visibility(i, far_side, l, l);
+    float arriving = light_visibility(i, far_side, l, l);
 #else
-    irradiance *= light_visibility(i, v_position - p.behind * p.n_geometric, -p.n_geometric, l);
+    float arriving = light_visibility(i, v_position - p.behind * p.n_geometric, -p.n_geometric, l);
 #endif
     float NoL = -dot(p.n, l);
     vec3 radiance = vec3(0.0);
+#if SCATTERS_INSIDE
+    radiance += from_all_around(p, s, view) * irradiance * mean_on_solid(i, p, l, arriving);
+#endif
+    irradiance *= arriving;
 #if DIFFUSE_TRANSMISSION
     vec2 dfg = light_albedo(p, s, l, NoL, view.perceptual_roughness);
-    radiance = (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
+    radiance += (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
 #endif
 #if SEES_LAMPS_THROUGH
     // A wedge bends light, a slab lets it go straight on. What both boundaries make of it then is the mirror image of a
@@ -96,7 +111,11 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
 #else
     if (NoL <= 0.0 || h == vec3(0.0)) return vec3(0.0); // straight from behind there is no half vector
 #endif
-    irradiance *= light_visibility(i, v_position, p.n_geometric, l);
+    float arriving = light_visibility(i, v_position, p.n_geometric, l);
+#if SCATTERS_INSIDE
+    vec3 of_solid = from_all_around(p, s, view) * irradiance * mean_on_solid(i, p, l, arriving);
+#endif
+    irradiance *= arriving;
 #if ANISOTROPIC
     vec3 wo = p.v * p.frame;
     Angles a = local_angles(vec3(wo.xy, max(wo.z, 1e-4)), l * p.frame);
@@ -116,6 +135,9 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 radiance = surface_response(s, view, a, d * facet_v(s, a), dfg) * irradiance * NoL;
 #if DIFFUSE_TRANSMISSION
     radiance += p.returned * surface_transmission(s, view, dfg) * irradiance * NoL;
+#endif
+#if SCATTERS_INSIDE
+    radiance += of_solid;
 #endif
 #if CLEARCOAT
     vec3 coat = vec3(0.0);

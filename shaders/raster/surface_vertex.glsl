@@ -32,8 +32,8 @@ in vec4 a_indirect;
 out vec4 v_indirect;
 #endif
 #if SUBSURFACE
-in vec2 a_interior;
-out vec2 v_interior;
+in vec4 a_interior;
+out vec4 v_interior;
 #if SEES_LAMPS_THROUGH
 in vec3 a_other_side;
 out vec3 v_other_side;

@@ -160,7 +160,7 @@ MUTATIONS = [
     Mutation("traced paths leave with one index for all colours", "raster/refraction_step.frag",
              "glass.w = ior_of_bands(", "ior_of_bands("),
     Mutation("no light from behind", "raster/shade_light.glsl",
-             "radiance = (1.0 - p.returned) *", "radiance = 0.0 *"),
+             "radiance += (1.0 - p.returned) *", "radiance += 0.0 *"),
     Mutation("environment not seen through", "raster/shade_environment.glsl",
              "radiance += surface_environment_transmitted(s, view) * through;", ""),
     Mutation("what light passes through tinted by the base colour", "bsdf/layer/diffuse.glsl",

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from shapes import constant, moved, orthographic, plate, scene, sphere
 
-from viewer.bake.half_space import returned_light
+from viewer.bake.half_space import fresnel, internal_reflectance, returned_light
 from viewer.bake.interior import interior_of
 from viewer.raster.interiors import Interiors
 from viewer.scene.camera import Camera
@@ -90,11 +90,12 @@ def test_slabs_and_balls_have_the_limits_of_thin_and_thick(gl, albedo, g):
 
     def shares(roundness):
         interior = gl.call("raster/interior.glsl", "interior_of", k=inside.attenuation, h=inside.extrapolation,
-                           thickness=d, roundness=roundness * np.array(inside.albedo), unscattered=0.0)
+                           entered=inside.entered, thickness=d, roundness=roundness * np.array(inside.albedo),
+                           through=1e4, reduced=1e4)
         found = gl.call("raster/interior.glsl", "leaving_light", inside=interior, reflected=0.0)
-        return found["own"][:, 0].astype(float), found["other"][:, 0].astype(float)
+        return [found[name][:, 0].astype(float) for name in ("own", "other", "everywhere")]
 
-    own, other = shares(0.0)
+    own, other, everywhere = shares(0.0)
     if albedo < 1:
         r, e = returned_light(albedo, g, 1.0), np.exp(-inside.attenuation[0] * d)
         expected = r * (1 - e * e) / (1 - r * r * e * e), (1 - r * r) * e / (1 - r * r * e * e)
@@ -102,11 +103,49 @@ def test_slabs_and_balls_have_the_limits_of_thin_and_thick(gl, albedo, g):
         passed = 1 / (1 + 0.5 * d / inside.extrapolation[0])
         expected = 1 - passed, passed
     assert np.abs(own - expected[0]).max() < 1e-4 and np.abs(other - expected[1]).max() < 1e-4
-    ball_own, ball_other = shares(1.0)
-    assert np.all(ball_own + ball_other <= 1 + 1e-6) and np.all(ball_own + ball_other >= own + other - 1e-4)
+    assert np.abs(everywhere).max() < 1e-6
+    of_ball = sum(shares(1.0))  # of light that is the same from everywhere
+    assert np.all(of_ball <= 1 + 1e-6) and np.all(of_ball >= own + other - 1e-4)
     if albedo == 0.97:
-        thin = 1 - (ball_own + ball_other)[0]
+        thin = 1 - of_ball[0]
         assert abs(thin / ((1 - albedo) * 2 * d[0]) - 1) < 0.15
+
+
+WALKS = {  # of 60 000 photons, whose noise is below 0.004
+    ("slab", 1.4, 0.999): (0.385, 0.349), ("slab", 5.0, 0.999): (0.633, 0.313),
+    ("slab", 1.4, 0.95): (0.283, 0.250), ("slab", 5.0, 0.95): (0.355, 0.113),
+    ("ball", 1.0, 0.999): (0.205, 0.177, 0.171, 0.175, 0.186, 0.198, 0.207, 0.215),
+    ("ball", 2.5, 0.999): (0.146, 0.153, 0.165, 0.184, 0.225, 0.276, 0.310, 0.350),
+    ("ball", 8.0, 0.999): (0.038, 0.051, 0.071, 0.111, 0.199, 0.318, 0.451, 0.567),
+    ("ball", 2.5, 0.95): (0.098, 0.100, 0.115, 0.131, 0.163, 0.203, 0.242, 0.273)}
+"""By shape, its thickness or radius in mean free paths, and albedo, behind a smooth boundary of index 1.4 in a sun of
+irradiance 1: what a slab sends back and lets through of light along its normal, and the exitance of a ball in eight
+equal parts of the cosine to the sun, from behind to in front."""
+
+
+@pytest.mark.parametrize(("shape", "size", "albedo"), WALKS)
+def test_suns_on_slabs_and_balls_are_as_random_walks(gl, shape, size, albedo):
+    """The share of all harmonics, without the light that passes unscattered."""
+    inside = interior_of(Medium((1.0,) * 3, (albedo,) * 3, 0.0), 1.4)
+    is_ball = shape == "ball"
+    through = 2 * size if is_ball else size
+    interior = gl.call("raster/interior.glsl", "interior_of", k=inside.attenuation, h=inside.extrapolation,
+                       entered=inside.entered, thickness=np.array([size / 1.5 if is_ball else size]),
+                       roundness=is_ball * np.array(inside.albedo), through=through, reduced=through)
+    found = gl.call("raster/interior.glsl", "leaving_light", inside=interior,
+                    reflected=(inside.trapped - 1) / (inside.trapped + 1))
+    own, other, everywhere = (found[name][0, 0].astype(float) for name in ("own", "other", "everywhere"))
+    walked = np.array(WALKS[shape, size, albedo])
+    entering = 1 - fresnel(np.array([1.0]), 1.4)[0]
+    if not is_ball:
+        assert np.abs(np.array([own, other]) * entering - walked).max() < 0.03
+        return
+    cosine = np.linspace(-1, 1, 9)[:-1] + 0.125
+    mean_entering = 1 - internal_reflectance(1 / 1.4)
+    lit = np.where(cosine > 0, 1 - fresnel(np.abs(cosine), 1.4), mean_entering)
+    leaving = everywhere / 4 * mean_entering + lit * np.where(cosine > 0, own, other) * np.abs(cosine)
+    assert np.abs(leaving - walked).max() < 0.055 and np.abs(leaving - walked).mean() < 0.025
+    assert abs(leaving.mean() / walked.mean() - 1) < 0.05
 
 
 def test_thickness_of_a_slab_and_a_ball(context):
@@ -278,7 +317,7 @@ def test_solids_that_touch_have_to_move_as_one(monkeypatch):
 
     counted = []
     monkeypatch.setattr(chords, "thickness_at_vertices",
-                        lambda *given: counted.append(given) or {k: np.ones((1, 5), np.float32) for k in (0, 1)})
+                        lambda *given: counted.append(given) or {k: np.ones((1, 7), np.float32) for k in (0, 1)})
     for first, second, is_kept in ((pair(3.0), pair(4.0), True), (pair(3.0), pair(1.2), False),
                                    (pair(1.2), pair(3.0), False), (pair(1.2), pair(1.2, 0.7), True)):
         interiors = Interiors(None)

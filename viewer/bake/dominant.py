@@ -38,3 +38,9 @@ def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
     away = tuple((-towards).tolist())
     light = Light("directional", color, peak, direction=away, casts_shadow=False, name="environment")
     return np.maximum(mean - key / 4, 0), light
+
+
+def mean_of(irradiance: np.ndarray) -> np.ndarray:
+    """The mean (3,) over all directions of such a map, which is that of the environment's radiance, too."""
+    weights = np.maximum(np.sin(row_angles(len(irradiance))), 0)  # the map has margins beyond the poles
+    return weights @ irradiance.mean(axis=1, dtype=np.float64) / weights.sum()

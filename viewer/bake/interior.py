@@ -33,15 +33,19 @@ RGB = tuple[float, float, float]
 @dataclass(frozen=True)
 class Interior:
     """`attenuation` k per unit of length, `extrapolation` h in units of length, `shape` s of Burley's profile per unit
-    of length, and the reduced albedo, RGB each. `trapped` is A. `kept` is the share of light, of what the boundary does
-    not reflect, that a white half-space returns: 1 behind a smooth one."""
+    of length, the reduced albedo, and the reduced extinction as a share of the whole, RGB each. `trapped` is A. `kept`
+    is the share of light, of what the boundary does not reflect, that a white half-space returns: 1 behind a smooth
+    one. `entered` is the mean cosine inside of light that enters from everywhere, over 2/3, which it is without a
+    boundary."""
 
     attenuation: RGB
     extrapolation: RGB
     shape: RGB
     albedo: RGB
+    reduced: RGB
     trapped: float
     kept: float
+    entered: float
 
 
 @lru_cache(maxsize=64)
@@ -66,13 +70,15 @@ def interior_of(medium: Medium, ior: float, alpha: float = 0.0, masking: str = "
     trapped = (1.0 + reflected) / (1.0 - reflected)
     channels = [_channel(sigma_t, albedo, medium.g, ior, trapped, rough, white)
                 for sigma_t, albedo in zip(medium.sigma_t, medium.albedo, strict=True)]
-    k, h, s, reduced_albedo = zip(*channels, strict=True)
-    return Interior(k, h, s, reduced_albedo, trapped, entering * white)
+    k, h, s, reduced_albedo, reduced = zip(*channels, strict=True)
+    entered = ior**2 * (1.0 - (1.0 - ior**-2) ** 1.5)  # the integral of mu' 3 mu dmu, with refraction from mu to mu'
+    return Interior(k, h, s, reduced_albedo, reduced, trapped, entering * white, entered)
 
 
 def _channel(sigma_t: float, albedo: float, g: float, ior: float, trapped: float, rough: RoughBoundary | None,
-             white: float) -> tuple[float, float, float, float]:
-    """k, h, s and the reduced albedo of one channel. `white` is the share that a white half-space returns."""
+             white: float) -> tuple[float, float, float, float, float]:
+    """k, h, s, the reduced albedo, and the reduced extinction over the whole, of one channel. `white` is the share that
+    a white half-space returns."""
     sigma_t, whitest = max(sigma_t, 1e-30), min(albedo, _WHITEST)
     reduced = 1.0 - whitest * g  # extinction where what is scattered straight on counts as unscattered
     reduced_albedo = whitest * (1.0 - g) / reduced
@@ -81,7 +87,7 @@ def _channel(sigma_t: float, albedo: float, g: float, ior: float, trapped: float
     x = (1.0 - share) / (1.0 + trapped * share)
     reflected = (trapped - 1.0) / (trapped + 1.0)
     s = (1.9 - unbounded + 3.5 * (unbounded - 0.8) ** 2) * (1.0 - unbounded * reflected) * reduced
-    return (rate * sigma_t if albedo < _WHITEST else 0.0), x / (rate * sigma_t), s * sigma_t, reduced_albedo
+    return (rate * sigma_t if albedo < _WHITEST else 0.0), x / (rate * sigma_t), s * sigma_t, reduced_albedo, reduced
 
 
 def decay_rate(albedo: float) -> float:

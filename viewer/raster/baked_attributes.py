@@ -40,7 +40,7 @@ class BakedAttributes:
             self._behind[number].write(np.ascontiguousarray(values))
 
     def set_interiors(self, thickness: Mapping[int, np.ndarray]) -> None:
-        """Upload the thickness, roundness and normal behind the vertices of instances, (V, 5) float32 each.
+        """Upload what `viewer.trace.chords.thickness_at_vertices` has found of instances, (V, 7) float32 each.
 
         They take the place of those before.
         """

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from ..bake.background import background_map, blurred, is_magnified
-from ..bake.dominant import ambient_and_key
+from ..bake.dominant import ambient_and_key, mean_of
 from ..bake.environment import BakedEnvironment, bake_environment
 from ..bake.many_lights import ManyLights, many_lights, uniform_lights
 from ..bake.phase import scattered_sky
@@ -142,6 +142,9 @@ class EnvironmentLight:
                 self._irradiance.repeat_y = False
             self._irradiance.use(UNIT_IRRADIANCE)
             values["u_irradiance"] = UNIT_IRRADIANCE
+        if plan.environment and plan.has_subsurface:
+            mean = mean_of(self._baked.irradiance) * self._baked.scale * self.environment.intensity
+            values["u_environment_mean"] = tuple(mean.tolist())
         if plan.reflections:
             if self._prefiltered is None:
                 self._prefiltered = mipmapped_texture(self._context, self._baked.levels[:-1])

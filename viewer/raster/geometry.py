@@ -17,7 +17,7 @@ from .instances import Content, InstanceBuffers, parts_of
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f",
             "a_next": "3f"}
-_OF_INSTANCES = {"a_indirect": {"a_indirect": 4}, "a_interior": {"a_interior": 2, "a_other_side": 3},
+_OF_INSTANCES = {"a_indirect": {"a_indirect": 4}, "a_interior": {"a_interior": 4, "a_other_side": 3},
                  "a_behind": {"a_behind": 4}}
 """The attributes in each buffer, and their numbers of floats."""
 # Values of attributes that a shared program reads and a mesh lacks: they change nothing.

@@ -24,7 +24,7 @@ class Interiors:
         self._factors: list[float] = []
 
     def take(self, scene: Scene, solids: Sequence[int]) -> dict[int, NDArray[np.float32]] | None:
-        """Thickness, roundness and other sides of the instances `solids` of `scene`, as
+        """Thickness, roundness, ways and other sides of the instances `solids` of `scene`, as
         `viewer.trace.chords.thickness_at_vertices` gives them; None if they are those of the last call."""
         factors = self._changes(scene, list(solids))
         if factors is None:
@@ -36,7 +36,7 @@ class Interiors:
         if factors == self._factors or self._measured is None:
             return None
         self._factors = factors
-        return {k: found * np.float32([factor, 1.0, 1.0, 1.0, 1.0])
+        return {k: found * np.float32([factor, 1.0, factor, 1.0, 1.0, 1.0, 1.0])
                 for (k, found), factor in zip(self._measured[2].items(), factors, strict=True)}
 
     def _changes(self, scene: Scene, solids: list[int]) -> list[float] | None:

@@ -26,6 +26,8 @@ def interior_uniforms(draw: Draw, textures: Textures, unit: float) -> Iterator[t
     yield "u_interior_extrapolation", tuple(min(h / unit, _LIMIT) for h in inside.extrapolation)
     yield "u_interior_shape", tuple(min(max(s * unit, 1.0 / _LIMIT), _LIMIT) for s in inside.shape)
     yield "u_interior_albedo", inside.albedo
+    yield "u_interior_reduced", inside.reduced
+    yield "u_interior_entered", inside.entered
     yield "u_interior_reflected", (inside.trapped - 1.0) / (inside.trapped + 1.0)
     yield "u_interior_kept", inside.kept
 

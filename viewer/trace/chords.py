@@ -30,41 +30,50 @@ _LONGEST = 2.0
 
 def thickness_at_vertices(context: Context, scene: Scene, instances: Sequence[int],
                           rays: int = _RAYS) -> dict[int, NDArray[np.float32]]:
-    """Thickness and roundness of the solids `instances` behind their vertices, and the normal of their other side,
-    (V, 5) float32 for each.
+    """Thickness and roundness of the solids `instances` behind their vertices, the way straight through them, and how
+    their other side turns and its normal, (V, 7) float32 for each.
 
     The thickness is half of the mean length of chords, with a density of directions in proportion to the cosine, in
     radii of the scene. It is the distance to the other side of a slab, and 2/3 of the radius of a ball; the mean over
     the surface is twice the volume over the area of any body (Cauchy). The roundness is 0 for a slab and 1 for a ball:
     with chords c at cosines mu, mean(c mu) / mean(c) is 1/2 for a slab and 3/4 for a ball.
 
-    The normal is the mean of those to which refracted light goes. It points outwards, has the space of the mesh, and is
-    0 where there is no other side.
+    The way straight through is the chord that is the nearest to the normal. The normal of the other side is the mean of
+    those to which refracted light goes. It points outwards, has the space of the mesh, and is 0 where there is no other
+    side. By the turn times the tangential part of a direction, the normal that this direction meets differs from it: 0
+    in a slab, 2 in a ball.
     """
     chords = _Chords(context, scene, instances, rays)
     means = np.stack([chords.lengths.mean(axis=1), (chords.lengths * chords.cosines).mean(axis=1)], axis=1)
     values = fit(chords.surfaces, chords.points, np.concatenate([means, np.zeros_like(means)], axis=1))
     length, along = values[:, 0], values[:, 1]
     roundness = np.clip(4.0 * along / np.maximum(length, 1e-30) - 2.0, 0.0, 1.0)
+    straight = fit(chords.surfaces, chords.points, chords.lengths[:, :1])
     # Values that are fitted must not be negative, nor differ more than fourfold.
-    normals = fit(chords.surfaces, chords.points, 2.0 + _normals_behind(chords)) - 2.0
-    found = chords.of_instances(np.column_stack([0.5 * length, roundness, normals]))
+    behind = fit(chords.surfaces, chords.points, 2.0 + _other_side(chords)) - 2.0
+    found = chords.of_instances(np.column_stack([0.5 * length, roundness, straight, behind]))
     for number, of_vertices in found.items():
-        of_vertices[:, 2:] = unit(of_vertices[:, 2:] @ scene.instances[number].transform[:3, :3])
+        of_vertices[:, 4:] = unit(of_vertices[:, 4:] @ scene.instances[number].transform[:3, :3])
     return found
 
 
-def _normals_behind(chords: _Chords) -> NDArray[np.float64]:
-    """Of each point, (N, 3)."""
-    normals = np.zeros((len(chords.points.triangle), 3))
+def _other_side(chords: _Chords) -> NDArray[np.float64]:
+    """Of each point, how the other side turns, by least squares, and its normal: (N, 4)."""
+    count = len(chords.points.triangle)
+    normals, along = np.zeros((count, 3)), np.zeros(count)
     is_refracted = chords.cosines > _LEAST_REFRACTED
+    across = np.zeros(count)
     for number, (rows, corners, weights) in chords.exits.items():
         point, direction = np.divmod(rows, chords.each)
         of_vertices = chords.surfaces.normals[chords.surfaces.first_vertices[number] + corners]
         found = np.einsum("nk,nkc->nc", weights, of_vertices) * is_refracted[direction, None]
         for axis in range(3):
-            normals[:, axis] += np.bincount(point, found[:, axis], len(normals))
-    return unit(normals)
+            normals[:, axis] += np.bincount(point, found[:, axis], count)
+        tangential = chords.tangential[rows]
+        along += np.bincount(point, np.einsum("nc,nc->n", found, tangential), count)
+        across += np.bincount(point, np.einsum("nc,nc->n", tangential, tangential) * is_refracted[direction], count)
+    turn = np.clip(along / np.maximum(across, 1e-30), -1.0, 2.0)
+    return np.column_stack([turn, unit(normals)])
 
 
 def light_behind(context: Context, scene: Scene, instances: Sequence[int], light: VertexLight,
@@ -80,7 +89,8 @@ def light_behind(context: Context, scene: Scene, instances: Sequence[int], light
 
 
 class _Chords:
-    """`each` chords of the solids `instances` from each of N points: `lengths` (N, each) and `cosines` (each,).
+    """`each` chords of the solids `instances` from each of N points: `lengths` (N, each) and `cosines` (each,), the
+    greatest first, and the tangential parts (N each, 3) of their directions.
 
     `exits` has, for each instance on whose surface some end: the number of these chords, the three vertices around each
     end, and their weights.
@@ -95,7 +105,8 @@ class _Chords:
         self.points = sample_surfaces(self.surfaces, rays // _POINT_RAYS)
         count = len(self.points.triangle)
         self.each = max(rays // max(count, 1), 4)
-        origins, directions, self.cosines = _first_rays(self.surfaces, self.points, self.each)
+        origins, directions, self.cosines, n = _first_rays(self.surfaces, self.points, self.each)
+        self.tangential = directions + (self.cosines[:, None] * n[:, None]).reshape(-1, 3)
         self.exits: dict[int, tuple[NDArray[np.intp], NDArray[np.uint32], NDArray[np.float64]]] = {}
         self.lengths = np.full((count, self.each), _LONGEST)
         if solids and count:
@@ -133,9 +144,9 @@ class _Chords:
 
 def _first_rays(
     surfaces: SurfaceTriangles, points: SurfacePoints, each: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Origins and directions of `each` rays into the solid from each of N points, (N each, 3), and the cosines of these
-    to the normal, (each,), which have a density in proportion to themselves."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Origins and directions of `each` rays into the solid from each of N points, (N each, 3), the cosines of these
+    to the normal, (each,), which have a density in proportion to themselves, and the normals, (N, 3)."""
     count = len(points.triangle)
     n = surfaces.geometric_normals[points.triangle]
     shading = unit(interpolate(surfaces, points, surfaces.normals))
@@ -150,7 +161,7 @@ def _first_rays(
                   - cosine[..., None] * n[:, None])
     positions = interpolate(surfaces, points, surfaces.positions)
     origins = np.broadcast_to((positions - 1e-5 * n)[:, None], directions.shape)
-    return origins.reshape(-1, 3), directions.reshape(-1, 3), cosine
+    return origins.reshape(-1, 3), directions.reshape(-1, 3), cosine, n
 
 
 def _tangents(n: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
