@@ -88,6 +88,21 @@ def test_threads_find_the_same_hits(context: Context, monkeypatch: pytest.Monkey
     assert not np.array_equal(alone[0].hits, alone[1].hits)
 
 
+def test_threads_find_the_same_triangles(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As for rays that a shader judges afterwards, here with a reach of their own."""
+    from viewer.trace.rays import embree as module
+
+    triangles = make_intersector(context, Geometry([sphere(8, 12)]), kind="embree")._triangles
+    rng = np.random.default_rng(8)
+    origin, direction = rng.normal(size=(2, 100, 3)).astype(np.float32)
+    reach = rng.uniform(0, 2, 100).astype(np.float32)
+    alone = triangles.intersect(origin, direction, reach.copy())
+    monkeypatch.setattr(module, "_TASK", 7)
+    for name, values in triangles.intersect(origin, direction, reach.copy()).items():
+        np.testing.assert_array_equal(values, alone[name])
+    assert 10 < np.count_nonzero(alone["primID"] >= 0) < 90
+
+
 def test_many_instances_keep_their_numbers(context: Context) -> None:
     rng = np.random.default_rng(5)
     places = rng.uniform(-0.9, 0.9, (3000, 3))

@@ -100,7 +100,7 @@ class EmbreeIntersector:
 
     def begin(self, rays: Rays) -> Callable[[], Answer]:
         """Embree lets Python's other threads run. But OpenGL, which see-through surfaces need, belongs to this thread,
-        and curves have threads of their own."""
+        which then waits for the rays, and curves have tasks of their own."""
         if self._coverage is not None or self._curves is not None or rays.count <= _TASK:
             answer = self._trace(rays.part(0, rays.count))
             self._spare.append(rays)
@@ -312,7 +312,14 @@ class _Triangles:
             nothing = np.zeros(len(origins), np.float32)
             return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing + np.inf,
                     "Ng": np.zeros((len(origins), 3), np.float32)}
-        return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
+        parts = [slice(first, first + _TASK) for first in range(0, len(origins), _TASK)]
+        if len(parts) == 1:
+            return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
+        tasks = [ray_threads().submit(self._scene.run, origins[rows], directions[rows],
+                                      None if reach is None else reach[rows], query="INTERSECT", output=True)
+                 for rows in parts]
+        found = [task.result() for task in tasks]
+        return {name: np.concatenate([part[name] for part in found]) for name in ("primID", "u", "v", "tfar", "Ng")}
 
     def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
         """Whether the vectors, without their ends, are occluded."""
