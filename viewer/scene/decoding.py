@@ -76,13 +76,13 @@ def decode_levels(image: TextureImage, channels: str, encoding: Encoding) -> lis
 
     They are uint8 (encoded as sRGB if the image is) or uint16. sRGB images with 16 bits are decoded to linear float16.
     Those of normals have a fourth channel for the spread of the normals (`with_spread`). Those of RGBC have the colours
-    that are seen.
+    that are seen. The largest levels are left out, as many as the image's `halvings`.
     """
-    if encoding == "normal":
-        return with_spread(mip_levels(image.decode("RGB")))
+    if encoding == "normal":  # decoded whole, since the spread is that among its texels
+        return with_spread(mip_levels(image.decode("RGB")), image.halvings)
     is_srgb = encoding == "srgb"
     pixels = _pixels(image, channels, is_srgb)
-    return mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers=channels == "RGBC")
+    return mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers=channels == "RGBC")[image.halvings:]
 
 
 def _pixels(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:

@@ -6,7 +6,7 @@ import io
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +35,8 @@ class TextureImage:
 
     `bits` is the depth of a channel, 8 or 16. `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...) or "KTX2". `grey`
     is True if the image has no colour, and `has_alpha` if texels may be transparent. `neutral`, RGBA in [0, 1], is the
-    colour of all texels if the data cannot be decoded.
+    colour of all texels if the data cannot be decoded. A texture of the image has `halvings` fewer mip levels, the
+    largest of them.
     """
 
     name: str
@@ -47,6 +48,7 @@ class TextureImage:
     grey: bool = False
     has_alpha: bool = True
     neutral: RGBA = WHITE
+    halvings: int = 0
     problems: list[str] = field(default_factory=list, init=False, repr=False, compare=False)
     """Why the data does not decode, once that was tried; empty otherwise."""
 
@@ -55,7 +57,13 @@ class TextureImage:
 
     def digest_parts(self) -> tuple[object, ...]:
         """What the pixels depend on, for `base.digest`."""
-        return self.data, self.neutral
+        return self.data, self.neutral, self.halvings
+
+    def smaller(self, halvings: int) -> TextureImage:
+        """The same image for smaller textures. Both have one list of problems."""
+        image = replace(self, halvings=halvings)
+        object.__setattr__(image, "problems", self.problems)
+        return image
 
     def decode(self, channels: str | None = None) -> np.ndarray:
         """The pixels as stored, (H, W, C) uint8 or uint16, row 0 at the top. No colour space is applied.
