@@ -46,6 +46,15 @@ def test_who_asks_for_a_time_or_an_error_gets_both_methods(wish, given, begins):
     assert window_settings(settings, given) == replace(settings, **begins)
 
 
+def test_the_noise_is_shown_and_hidden_as_before(state):
+    for denoise, first, second in (("raster", "off", "raster"), ("off", "raster", "off"), ("fast", "off", "fast")):
+        state.settings = replace(state.settings, denoise=denoise)
+        state.toggle_denoise()
+        assert state.settings.denoise == first
+        state.toggle_denoise()
+        assert state.settings.denoise == second
+
+
 def test_one_shot_is_the_whole_picture(state):
     assert state.shots(state.settings, (100, 50)) == [(state.settings, None)]
 

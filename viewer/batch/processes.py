@@ -139,8 +139,8 @@ def how_it_ended(code: int | None) -> str:
 
 
 def _serve(connection: Connection, make_worker: Callable[[], Doer], count: int) -> None:
-    """One of `count` other processes: does tasks until the connection ends, as it does when the first process ends, or
-    until None comes, which a task in the making sees at the other end of the connection."""
+    """One of `count` other processes: does tasks until the connection ends, as it does when the first process ends.
+    None ends the task in the making early, which looks whether something has come, and nothing else."""
     with suppress(Stopped):
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the first process, which then terminates this one
         signal.signal(signal.SIGTERM, _stop)  # whatever it is doing: nobody waits for part of a picture
@@ -149,7 +149,10 @@ def _serve(connection: Connection, make_worker: Callable[[], Doer], count: int) 
         os.environ.setdefault("LP_NUM_THREADS", str(max(core_count() // count, 1)))
         worker, nowhere = None, Progress(1, enabled=False)
         with suppress(EOFError, OSError):
-            while (task := connection.recv()) is not None:
+            while True:
+                task = connection.recv()
+                if task is None:
+                    continue
                 try:
                     worker = worker or make_worker()
                     answer: Done | ViewerError = worker.do(task, nowhere, connection.poll)

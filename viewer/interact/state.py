@@ -15,7 +15,7 @@ from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
-from ..settings import Lobes, Mode, Settings, Show, ignored
+from ..settings import Denoise, Lobes, Mode, Settings, Show, ignored
 from .playback import Playback
 
 Part = tuple[int, int, int, int]
@@ -48,6 +48,8 @@ class ViewState:
     sides: tuple[Mode, Mode] = ("phong", "pbr")
     paused: bool = False
     """Whether path tracing is paused."""
+    denoiser: Denoise = "fast"
+    """The one to go back to where the noise is shown."""
     tells_error: bool = False
     """Whether the error of the picture is measured while it is at rest."""
     shows_error: bool = False
@@ -174,7 +176,11 @@ class ViewState:
         self.tells_error = shows or not self.tells_error
 
     def toggle_denoise(self) -> None:
-        self.settings = replace(self.settings, denoise="fast" if self.settings.denoise == "off" else "off")
+        if self.settings.denoise == "off":
+            self.settings = replace(self.settings, denoise=self.denoiser)
+        else:
+            self.denoiser = self.settings.denoise
+            self.settings = replace(self.settings, denoise="off")
         self.say(f"Path tracing: denoising {'off' if self.settings.denoise == 'off' else 'on'}")
 
     def toggle_play(self) -> None:
