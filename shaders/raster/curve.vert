@@ -50,7 +50,7 @@ vec3 any_across(vec3 d) {
     return normalize(cross(d, abs(d.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
 }
 
-// The direction of a strip at an end of segment k which is not the strand's: the mean of both segments
+// The direction of a strip at an end of segment k which is not the strand's: the mean of both segments, which share it
 vec3 along_at(int k, int end, vec3 axis) {
     vec3 other = end == 0 ? point(k).xyz - point(k - 1).xyz : point(k + 2).xyz - point(k + 1).xyz;
     if (dot(other, other) == 0.0) return axis;
@@ -66,6 +66,13 @@ float sine_at(int k, int end, vec3 axis) {
     return along == axis && dot(axis, other) < 0.0 ? 1.0 : length(cross(axis, along));
 }
 #endif
+
+// The direction that is shaded at an end, of a segment which leaves its ends along `here` and `there`. A thin curve has
+// that of the segment: means of neighbours turn less than the curve does, and a wavy strand would catch other light.
+// Where segments can be told apart, it turns as fast as at the ends, but about that of the segment.
+vec3 shaded_along(vec3 axis, vec3 here, vec3 there, float pixels) {
+    return axis + 0.5 * smoothstep(1.5, 3.0, pixels) * (here - there);
+}
 
 void main() {
     int k = gl_InstanceID, end = gl_VertexID & 1;
@@ -98,6 +105,7 @@ void main() {
     vec3 axis = dot(chord, chord) > 0.0 ? normalize(chord) : vec3(0.0, 0.0, 1.0);
     bvec2 is_tip = bvec2(k == 0 || is_last(point(max(k - 1, 0))), is_last(next));
     vec3 along = is_tip[end] ? axis : along_at(k, end, axis);
+    vec3 along_there = is_tip[1 - end] ? axis : along_at(k, 1 - end, axis);
     float radius = abs(p.w);
     vec3 gradient_x, gradient_y;
     vec3 front = sight(p.xyz, gradient_x, gradient_y);
@@ -125,7 +133,7 @@ void main() {
     if (is_tip.x) v_beyond.x = end == 0 ? 1.0 : -reach - float(is_tip.y);
     if (is_tip.y) v_beyond.y = end == 1 ? 1.0 : -reach - float(is_tip.x);
     v_across = a;
-    v_along = mat3(u_to_eye) * along;
+    v_along = mat3(u_to_eye) * shaded_along(axis, along, along_there, v_pixels);
 #if YARN
     vec4 center = axis_texel(k + end, 0);
     v_yarn_radius = abs(center.w) * length(u_to_eye[0].xyz);
@@ -146,11 +154,14 @@ void main() {
     bool is_sphere = dot(chord, chord) == 0.0;
     v_a = first;
     v_b = second;
+    vec3 first_along = end == 0 ? along : along_there, second_along = end == 0 ? along_there : along;
     v_along_a = v_along_b = axis;
     if (is_sphere && !is_tip.y && point(k + 2).xyz != next.xyz)
         v_along_a = v_along_b = normalize(point(k + 2).xyz - next.xyz);
-    if (!is_tip.x && !is_sphere) v_along_a = along_at(k, 0, axis);
-    if (!is_tip.y && !is_sphere) v_along_b = along_at(k, 1, axis);
+    if (!is_sphere) {
+        v_along_a = shaded_along(axis, first_along, second_along, v_pixels);
+        v_along_b = shaded_along(axis, second_along, first_along, v_pixels);
+    }
     v_share = 1.0;
     v_beyond = vec2(-1.0);
     v_screen = corner_about(v_a, v_b, end, a);

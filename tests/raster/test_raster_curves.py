@@ -116,6 +116,27 @@ def test_a_strand_lies_where_it_is_also_seen_at_a_slant(radiance, degrees):
     assert columns.sum() * PIXEL**2 == pytest.approx(2 * end[0] * 0.6 + math.pi * 0.09, rel=0.05)
 
 
+def test_near_ends_of_strands_beside_each_other_are_whole(radiance):
+    """Their round ends come nearer to a camera in perspective than their middle does, before which nothing lies."""
+    fan = strand(0.2, (0.0, -1.5, 0), (0.0, 1.5, 0))
+    pixels = radiance(shown(fan), Camera.look_at((0, 0, 5), (0, 0, 0), fov_y=0.8), (64, 64), **ALONE)
+    assert pixels[10:54, 32, 3].min() > 0.9
+
+
+def test_a_wavy_strand_has_the_light_of_its_segments(radiance):
+    """Their directions are not evened out where they meet, by which the strand would turn less towards the light."""
+    x = np.linspace(-1.6, 1.6, 17)
+    points = np.stack([x, 0 * x, 0.14 * np.sin(5 * x)], axis=1).astype(np.float32)
+    sun = Light("directional", intensity=2.0, direction=(-0.2, -0.6, -0.77))
+    narrow = replace(ROUGH, beta_m=0.15)
+    whole = strand(0.004, *points, fibre=narrow)
+    apart = Curves("apart", np.repeat(points, 2, axis=0)[1:-1], np.full(32, 0.004), 2 * np.arange(17),
+                   np.zeros(16, bool), fibre=narrow)
+    one, each = (radiance(shown(curves, environment=None, lights=(sun,)), CAMERA, (64, 64), **ALONE, shadows="off",
+                          antialias="ssaa-16")[..., :3].mean(axis=(0, 1)) for curves in (whole, apart))
+    np.testing.assert_allclose(one, each, rtol=0.05)
+
+
 @pytest.mark.parametrize("radius", [0.5, 0.03])
 def test_light_is_that_of_the_fibre_at_each_offset_or_their_mean(radiance, radius):
     light = Light("directional", intensity=2.0, direction=(-0.48, -0.6, -0.64))

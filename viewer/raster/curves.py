@@ -64,7 +64,7 @@ class CurveBuffers:
         self.center = curves.corners.reshape(-1, 3).mean(axis=0) if len(curves.points) else np.zeros(3)
         size = float(np.ptp(curves.corners, axis=0).max()) if len(curves.points) else 1.0
         self.unit = 2.0 ** round(math.log2(size)) if size > 0 else 1.0  # a power of two keeps all digits
-        self.radius = float(curves.radii.max(initial=0.0))
+        self.radius = curves.widest
         self.blunt_radius = blunt_radius(pieces)
         last = np.append(pieces.strand[1:] != pieces.strand[:-1], True) if len(pieces) else np.zeros(0, bool)
         self.count = len(pieces) + int(last.sum())

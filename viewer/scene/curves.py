@@ -118,6 +118,11 @@ class Curves:
         box = np.stack([(self.points - radii).min(axis=0), (self.points + radii).max(axis=0)])
         return box[np.array([[(k >> axis) & 1 for axis in range(3)] for k in range(8)]), [0, 1, 2]]
 
+    @cached_property
+    def widest(self) -> float:
+        """The largest radius, 0 without points."""
+        return float(self.radii.max(initial=0.0))
+
     def _chunks(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         for first in range(0, len(self.points), _CHUNK):
             part = slice(first, first + _CHUNK)

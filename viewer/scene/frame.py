@@ -86,7 +86,7 @@ class Frame:
         if not len(depths):
             return 0.01, 1.0
         low, high = float(depths.min()), float(depths.max())
-        margin = 1e-3 * (high - low) + 1e-6 * max(abs(low), abs(high))
+        margin = 1e-3 * (high - low) + 1e-6 * max(abs(low), abs(high)) + self._beyond_boxes
         low, high = low - margin, high + margin
         if self.camera.height is not None:
             return low, high
@@ -99,6 +99,12 @@ class Frame:
         low = max(low, high * 1e-5 if near is None else min(near / self.unit, high / 2))
         # Near the far plane z / w comes close to 1. The margin keeps float32 from rounding it above 1.
         return low, high * (1 + 2.0**-21 * high / low)
+
+    @property
+    def _beyond_boxes(self) -> float:
+        """How far strips of curves come nearer than the boxes about them, in eye-relative units: at the end of a strand
+        they go on by its radius at a right angle to the bulge of as much (shaders/raster/curve.vert)."""
+        return 0.42 * max((curves.widest for curves in self.scene.curves), default=0.0) / self.unit
 
     @cached_property
     def visible(self) -> np.ndarray:
