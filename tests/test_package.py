@@ -65,8 +65,8 @@ def test_a_plain_picture_imports_nothing_that_other_pictures_need(tmp_path):
     assert [name for name in found if name.startswith("viewer.trace")] == []
 
 
-def test_the_end_of_the_process_does_not_look_for_garbage():
-    code = ("import gc, sys\nfrom viewer.__main__ import main\nsys.argv[1:] = ['--help']\ntry:\n    main()\n"
-            "except SystemExit as end:\n    print(end.code, gc.get_freeze_count() > 1000, file=sys.stderr)")
+def test_no_library_tells_of_leaks_at_the_end():
+    """Modules made by nanobind, such as OpenImageIO, do where Python does not free their types."""
+    code = "import sys, OpenImageIO\nfrom viewer.__main__ import main\nsys.argv[1:] = ['--help']\nmain()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stderr.split() == ["0", "True"] and "Commands" in done.stdout
+    assert done.stderr == "" and "Commands" in done.stdout

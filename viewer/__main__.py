@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import sys
 
@@ -23,8 +22,6 @@ def main() -> None:
     except Stopped as stopped:
         print(f"pbr-viewer: {stopped}", file=sys.stderr)
         sys.exit(stopped.exit_status)
-    finally:
-        gc.freeze()  # or Python looks through all its objects for garbage before it ends, in 50 ms
 
 
 if __name__ == "__main__":
