@@ -1,8 +1,8 @@
 """Subsurface scattering of the rasterizer against another renderer's: `python -m benchmarks.subsurface`.
 
 The cases of ../shared/truth with a dense medium behind a boundary, by every choice of `subsurface`, as they are and
-with the setting that gives the raster the light of other surfaces, with the time of a frame. Then single solids in a
-sun from behind and in front against mode path, and what of their light has been scattered.
+with the setting that gives the raster the light of other surfaces, with the time of a frame. Then a head of
+wax and its company from two sides, and single solids in a sun from behind and in front, against mode path.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 import viewer
 from viewer.gpu.context import open_context
-from viewer.measure.compare.relmse import relmse
+from viewer.measure.compare.relmse import Halves, relmse
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
@@ -41,6 +41,9 @@ SUNS = {"behind": 0.1, "aslant behind": 0.5, "in front": math.pi - 0.5}
 """The angle between the directions of sunlight and of the eye."""
 COLOR, BLACK = (0.9, 0.7, 0.5), (1e-3,) * 3
 """Of multiple scattering"""
+FIGURE = {"head of wax, in front": 5.6, "head of wax, behind": -5.6}
+"""Where the eye is along z, of `assets/scenes/subsurface.glb` in the studio"""
+FIGURE_SAMPLES, FIGURE_SIZE = 128, (64, 64)
 IN_SUN = {"fresnel": "exact", "background": "none", "multiscatter": "off"}
 SAMPLES, SOLID_SIZE = 128, (32, 32)
 OF_SOLIDS = (
@@ -58,16 +61,19 @@ def main() -> None:
     options = parser.parse_args()
     with open_context() as context:
         lines = ["# Light scattered inside of solids, in the rasterizer", "",
-                 "By `python -m benchmarks.subsurface`. relMSE and mean are those of the whole picture, 128 x 128, "
-                 "against Mitsuba; the floor", "is the noise of the reference. The time is that of all threads of "
-                 "the processor, the median of frames with", "everything prepared.", "",
+                 "By `python -m benchmarks.subsurface`. relMSE and mean are those of the whole picture, against",
+                 "Mitsuba (128 x 128), of the head of wax against mode path (64 x 64); the floor is the noise of the",
+                 "reference. The time is that of all threads of the processor, the median of frames with everything",
+                 "prepared.", "",
                  f"{context.renderer}; {os.cpu_count()} cores, load average {os.getloadavg()[0]:.0f} at the start", "",
                  "| case | subsurface | other settings | relMSE | floor | mean / reference | ms |",
                  "|---|---|---|---|---|---|---|"]
         renderer = Renderer(context)
         for name in CASES:
             lines += _rows(renderer, load_case(name), options.frames)
-        lines += ["", *OF_SOLIDS, *_in_sun(renderer, Tracer(context)), "",
+        tracer = Tracer(context)
+        lines += [row for name in FIGURE for row in _rows(renderer, _figure(tracer, name), options.frames)]
+        lines += ["", *OF_SOLIDS, *_in_sun(renderer, tracer), "",
                   *(f"- {name}: {what}" for name, what in here().items())]
     print("\n".join(lines))
     if options.results is not None:
@@ -90,6 +96,16 @@ def _rows(renderer: Renderer, case: Case, frames: int) -> list[str]:
                         f"{case.floor:.4f} | {picture.mean() / case.reference.mean():.3f} | "
                         f"{statistics.median(times[1:]):.0f} |")
     return rows
+
+
+def _figure(tracer: Tracer, name: str) -> Case:
+    scene = viewer.load(REPOSITORY / "assets" / "scenes" / "subsurface.glb", environment="studio").relit(lights=())
+    camera = Camera.look_at((0, 0, FIGURE[name]), (0, 0, 0), fov_y=math.radians(30))
+    settings = {"multiscatter": "off"}
+    halves = Halves(*(tracer.render(scene, camera, Settings.of(mode="path", spp=FIGURE_SAMPLES // 2, bounces=255,
+                                                               seed=seed, **settings), FIGURE_SIZE).linear[..., :3]
+                      for seed in (1, 2)))
+    return Case(name, scene, camera, settings, halves.mean, halves.floor(halves.mean), FIGURE_SAMPLES)
 
 
 def _in_sun(renderer: Renderer, tracer: Tracer) -> list[str]:
