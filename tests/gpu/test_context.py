@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import gc
 import sys
-import threading
 from pathlib import Path
 
 import numpy as np
@@ -45,17 +44,6 @@ def assert_triangle(context: Context) -> None:
     expected = np.where(inside[..., None], np.uint8(INSIDE), np.uint8(OUTSIDE))
     np.testing.assert_array_equal(draw(context), expected)
     assert context.gl.error == "GL_NO_ERROR"
-
-
-def test_a_driver_that_was_loaded_ahead_draws_as_well():
-    loading = threading.Thread(target=viewer.gpu.egl.load_driver)
-    loading.start()
-    with open_or_skip("egl") as context:
-        assert_triangle(context)
-    loading.join()
-    viewer.gpu.egl.load_driver()
-    with open_or_skip("egl") as context:
-        assert_triangle(context)
 
 
 @pytest.mark.parametrize("backend", ["egl", "osmesa"])

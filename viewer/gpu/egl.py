@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
-from typing import Any
 
 from ..errors import ContextError
 from .context import MINIMUM_VERSION, Context, Loader
@@ -14,7 +11,6 @@ from .context import MINIMUM_VERSION, Context, Loader
 # The file name of the installed library. ctypes.util.find_library("EGL") would start other processes, and would need a
 # compiler or a development package.
 LIBRARY = "libEGL.so.1"
-_PLATFORM_DEVICE = 0x313F
 
 
 class EGLContext(Context):
@@ -48,37 +44,16 @@ class EGLContext(Context):
 
 def device_count() -> int:
     """The number of EGL devices; Mesa's software rasteriser counts as one. Raises ContextError if there is no EGL."""
-    return _devices(None, 0)
-
-
-def load_driver() -> None:
-    """Load the driver of the first device, as opening the first context does. Other threads of Python go on meanwhile.
-
-    Where there is none, nothing is loaded: that is told when a context is opened.
-    """
-    device = ctypes.c_void_p()
-    with suppress(ContextError):
-        if _devices(ctypes.byref(device), 1):
-            get_display = _function("eglGetPlatformDisplayEXT", ctypes.c_void_p, ctypes.c_uint, *[ctypes.c_void_p] * 2)
-            initialize = _function("eglInitialize", ctypes.c_uint, *[ctypes.c_void_p] * 3)
-            initialize(get_display(_PLATFORM_DEVICE, device, None), None, None)
-
-
-def _devices(found: Any, room: int) -> int:
-    """How many devices there are; with `room` for some, how many `found` has now. Raises ContextError."""
-    query = _function("eglQueryDevicesEXT", ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
-    count = ctypes.c_int()
-    return count.value if query(room, found, ctypes.byref(count)) else 0
-
-
-def _function(name: str, *types: type) -> Callable[..., Any]:
-    """The function `name` of EGL; `types` are the ctypes of its result and its arguments. Raises ContextError."""
     library = _library()
     library.eglGetProcAddress.restype = ctypes.c_void_p
-    address = library.eglGetProcAddress(name.encode())
+    address = library.eglGetProcAddress(b"eglQueryDevicesEXT")
     if not address:
-        raise ContextError(f"egl: the library lacks {name}")
-    return ctypes.CFUNCTYPE(*types)(address)
+        raise ContextError("egl: the library lacks EGL_EXT_device_enumeration")
+    query = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int))(address)
+    count = ctypes.c_int()
+    if not query(0, None, ctypes.byref(count)):
+        return 0
+    return count.value
 
 
 @cache

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -56,7 +55,6 @@ class ModelRenderer:
             measure=job.measure, quiet=options["quiet"], chooses=job.chooses, tell_error=options["tell_error"],
             following=make_following(options), tell=tell)
         self._maker = make_picture_maker(self._request)
-        threading.Thread(target=_load_driver, args=(options["backend"],)).start()
 
     def __enter__(self) -> Self:
         return self
@@ -267,15 +265,6 @@ class ModelRenderer:
             "wall_s": seconds, **maker.stats, "warnings": list(scene.all_warnings),
             "memory": memory_mb() | {"textures_mb": maker.texture_bytes / 1e6},
         }
-
-
-def _load_driver(backend: str) -> None:
-    """Load the driver that a context of `backend` needs, while another thread reads the model."""
-    from ..gpu.context import auto_backends
-    from ..gpu.egl import load_driver
-
-    if (auto_backends()[0] if backend == "auto" else backend) == "egl":
-        load_driver()
 
 
 def _words(error: ViewerError | MemoryError) -> str:
