@@ -32,9 +32,9 @@ def tiles(material: int, side: int = 8) -> Mesh:
                 normals=np.float32([[0, 0, 1]] * len(positions)))
 
 
-def corner(**changes):
+def corner(side: int = 8, **changes):
     """A white floor before a red wall."""
-    parts = (tiles(0), facing_floor()), (tiles(1), moved((0, 1, -1)))
+    parts = (tiles(0, side), facing_floor()), (tiles(1, side), moved((0, 1, -1)))
     return scene(*parts, materials=(WHITE, RED), **changes)
 
 
@@ -51,8 +51,10 @@ def error(radiance, reference: np.ndarray, model, **settings) -> float:
     return float(np.sqrt(np.mean((found - reference)[inside, :3] ** 2)))
 
 
-def test_a_wall_tints_the_floor(radiance, truth):
-    model = corner(lights=(SUN,))
+@pytest.mark.parametrize("side", [1, 8])
+def test_a_wall_tints_the_floor(radiance, truth, side):
+    """Also where both are but two triangles, which are divided then."""
+    model = corner(side, lights=(SUN,))
     reference = truth(model)
     assert error(radiance, reference, model, indirect="baked") < 0.35 * error(radiance, reference, model)
 

@@ -25,6 +25,7 @@ from ..plan.views import view_settings
 from ..scene.camera import Camera
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
+from ..scene.refined import refined
 from ..scene.scene import Scene
 from ..scene.woven import woven
 from ..scene.yarn.spun import as_yarns
@@ -66,6 +67,7 @@ class Renderer:
         self._has_caustics = False
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
+        self._given: Scene | None = None
 
     def expect(self, ahead: Decoder) -> None:
         """Take a decoder, from `decode_ahead`, that has begun with the images of the next scene."""
@@ -74,13 +76,13 @@ class Renderer:
     def forget(self) -> None:
         """Free what only the last scene needs."""
         self.context.make_current()
-        self.plan = None
+        self.plan = self._given = None
         self._prepared.take(Scene("nothing"))
         trim_heap()
 
     def holds(self, scene: Scene) -> bool:
         """Whether the last frame showed this scene, perhaps under other lights."""
-        return self._prepared.holds(scene)
+        return self._given is not None and self._given.has_surfaces_of(scene)
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
@@ -170,6 +172,7 @@ class Renderer:
         """
         self.context.make_current()
         given, settings = scene, view_settings(settings)
+        self._given = given
         scene = _shown(scene, settings)
         if still and settings.antialias == "auto" and self.context.is_software:
             # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them. Of woven
@@ -240,8 +243,11 @@ class Renderer:
 
 
 def _shown(scene: Scene, settings: Settings) -> Scene:
-    """The scene with its curves and its materials as the settings show them: the same object each time."""
-    return woven(as_yarns(scene.with_curve_radius(settings.curve_radius), settings), settings)
+    """The scene with its curves and its materials as the settings show them, and triangles small enough for what is
+    baked at vertices: the same object each time."""
+    shown = woven(as_yarns(scene.with_curve_radius(settings.curve_radius), settings), settings)
+    bakes_light = settings.mode == "pbr" and settings.show == "shaded" and settings.indirect == "baked"
+    return refined(shown) if bakes_light else shown
 
 
 def _legend(scene: Scene, camera: Camera, settings: Settings) -> dict[str, object]:
