@@ -90,12 +90,15 @@ def _places(weave: Weave) -> np.ndarray:
     """Places of the draft that stand for all of it, (PLACES, 3): x and y in cells, and a weight with the mean 1.
 
     Half of them are on either system, and weigh together what its share of the cells is. They lie at the points of a
-    Hammersley set, in cells that are evenly spaced among its own, in the order of their places along their arcs.
+    Hammersley set, in cells that are evenly spaced among its own, in the order of their places along their arcs. The
+    set has points in two corners, where gaps are: of a weave that has any, it is moved by a quarter along one side.
     """
     above = np.array(weave.draft)
     half = PLACES // 2
     k = np.arange(half)
     mirrored = np.array([int(f"{i:04b}"[::-1], 2) for i in k])
+    if weave.has_gaps:
+        mirrored = (mirrored + half // 4) % half
     places = []
     for is_warp in (True, False):
         y, x = np.nonzero(above == is_warp)
