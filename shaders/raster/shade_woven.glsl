@@ -1,7 +1,8 @@
 // Radiance of a woven cloth in pbr.frag, which includes this file. The cloth is filtered: where a pixel covers more
 // than a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the
 // draft, the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps
-// it. Under supersampling the points that are shaded in a pixel share these places.
+// it. Under supersampling the points that are shaded in a pixel share these places. Of cloth that is seen through
+// narrow gaps of nearer cloth, a quarter of them is enough.
 #if ALPHA_MODE == 2
 #define WEAVE_HAS_GAPS 1
 #else
@@ -12,8 +13,9 @@
 
 const int WEAVE_PLACES = 32;
 const int WEAVE_SHARES = SHADED_SIDE > 1 ? 4 : 1; // of the places; a shaded point has one of them
-const int WEAVE_SHARE = WEAVE_PLACES / WEAVE_SHARES;
 const int WEAVE_LOOKUPS = 8; // of mirrored light, for one place; each of several has one
+const int WEAVE_BEHIND = 4;  // one in so many places and lookups stands for the others where nearer cloth
+const float WEAVE_NARROW = 1.0 / 32.0; // with gaps of no more than this share of it hides the point
 
 uniform vec3 u_weave_places[WEAVE_PLACES]; // of the whole draft, in units of cells, each with its weight
 
@@ -23,18 +25,36 @@ int weave_share() {
     return (point.x + SHADED_SIDE * point.y) % WEAVE_SHARES;
 }
 
-// The place k of WEAVE_SHARE about a shaded point, and its weight. `x` and `y` are the sides of what it stands for in
-// texture coordinates: of a pixel, or of a part of it. Places of the draft come in pairs of warp and weft.
-vec3 weave_place(int k, int share, vec2 uv, vec2 x, vec2 y) {
+// The place k of `count` about a shaded point, and its weight. `x` and `y` are the sides of what the point stands for
+// in texture coordinates: of a pixel, or of a part of it. Places of the draft come in pairs of warp and weft.
+vec3 weave_place(int k, int count, int share, vec2 uv, vec2 x, vec2 y) {
     vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size) * float(SHADED_SIDE); // of the pixel
-    float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y));
-    if (hammersley(uint(k / 2), uint(WEAVE_SHARE / 2)).y < whole) {
-        vec3 place = u_weave_places[2 * (WEAVE_SHARES * (k / 2) + share) + k % 2];
+    float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y)), among = float(share) / float(WEAVE_SHARES * count);
+    if (hammersley(uint(k / 2), uint(count / 2)).y + 2.0 * among < whole) {
+        int apart = WEAVE_PLACES / (WEAVE_SHARES * count), pair = apart * (WEAVE_SHARES * (k / 2) + share) + apart / 2;
+        vec3 place = u_weave_places[2 * pair + k % 2];
         return vec3(place.xy / u_weave_density, place.z);
     }
-    vec2 at = fract(hammersley(uint(k), uint(WEAVE_SHARE)) + float(share) / float(WEAVE_PLACES)) - 0.5;
+    vec2 at = fract(hammersley(uint(k), uint(count)) + among) - 0.5;
     return vec3(uv + at.x * x + at.y * y, 1.0);
 }
+
+#if WEAVE_HAS_GAPS
+#if !VISIBILITY
+uniform sampler2D u_positions; // of the nearest cloth
+uniform vec2 u_drawn_size;     // of the picture, in shaded points
+#endif
+
+// Whether nearer cloth hides the point but for narrow gaps: whether what the G-buffer has lies nearer by more than the
+// surface here does anywhere in its texel. `v`: to the eye.
+bool is_behind_cloth(vec3 v) {
+    if ((1.0 - u_weave_yarns[2].w) * (1.0 - u_weave_yarns[7].w) > WEAVE_NARROW) return false;
+    vec2 scale = vec2(textureSize(u_positions, 0)) / u_drawn_size;
+    vec4 nearest = texelFetch(u_positions, ivec2(gl_FragCoord.xy * scale), 0);
+    vec2 texel = vec2(length(dFdx(v_position)), length(dFdy(v_position))) / scale;
+    return nearest.w != 0.0 && dot(nearest.xyz - v_position, v) > texel.x + texel.y;
+}
+#endif
 
 vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     vec2 x = dFdx(v_uv0), y = dFdy(v_uv0);
@@ -82,9 +102,13 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
         deep[k] = woven_deep(yarn.rgb, yarn.a, other.rgb, other.a, wo.z);
     }
     vec2 cells = (abs(x) + abs(y)) * u_weave_density;
-    int places = max(cells.x, cells.y) > 0.1 ? WEAVE_SHARE : 1;
-    int lookups = places > 1 ? 1 : WEAVE_LOOKUPS, share = weave_share();
-    int samples = (places > 1 ? WEAVE_SHARE / 4 : WEAVE_LOOKUPS / 2) * WEAVE_SHARES; // of each lobe, for warp or weft
+    int apart = 1, share = weave_share();
+#if WEAVE_HAS_GAPS
+    if (is_behind_cloth(p.v)) apart = WEAVE_BEHIND;
+#endif
+    int places = max(cells.x, cells.y) > 0.1 ? WEAVE_PLACES / WEAVE_SHARES / apart : 1;
+    int lookups = places > 1 ? 1 : WEAVE_LOOKUPS / apart;
+    int samples = (max(places, 2 * lookups) + 3) / 4 * WEAVE_SHARES; // of each lobe, for warp or weft
     vec3 radiance = vec3(0.0);
     // Of what is mirrored, and of what has entered a fibre: light of the environment; weights of its samples; their sum
     // by the table
@@ -92,7 +116,7 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     float straight = 0.0;
     for (int k = 0; k < places; ++k) {
         vec3 place = vec3(v_uv0, 1.0);
-        if (places > 1) place = weave_place(k, share, v_uv0, x, y);
+        if (places > 1) place = weave_place(k, places, share, v_uv0, x, y);
         int yarns;
         Woven m = weave_at(place.xy, vec2(1.0, 0.0), dv, is_front, yarns);
         WovenView v = woven_view(m, deep[yarns], wo, u_weave_table);
@@ -108,8 +132,8 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
 #if HAS_ENVIRONMENT
         due += place.z * mat2x3(v.mirrored * m.specular, v.once - v.onwards);
         for (int j = 0; j < lookups && !woven_is_gap(m); ++j) {
-            // In turn, for a warp and a weft; all points in a pixel have samples of their own
-            int turn = places > 1 ? k >> 1 : j, lobe = turn & 1;
+            // In turn, for a warp and a weft if there are both; all points in a pixel have samples of their own
+            int turn = places > 2 ? k >> 1 : k + j, lobe = turn & 1;
             vec2 u = hammersley(uint((turn >> 1) * WEAVE_SHARES + share), uint(samples)).yx + 0.5 / float(samples);
             bool is_mirrored = lobe == 0;
             Flakes f = Flakes(m.axis, is_mirrored ? v.flakes.alpha : ENTERED_ALPHA);

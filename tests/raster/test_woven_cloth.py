@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import constant, lopsided, orthographic, plate, scene
+from shapes import WHITE as PLAIN
+from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene
 
 from viewer.material.weave import _cells
 from viewer.scene.light import Light
@@ -90,6 +91,34 @@ def test_the_points_of_a_pixel_share_the_places_of_a_far_draft(radiance, weave):
     one, shared = (radiance(model, orthographic(0.5, 0.6, 1.0), SIZE, weave=far, antialias=antialias)[..., 0]
                    for antialias in ("none", "ssaa-4"))
     assert np.abs(shared / one - 1).max() < 2e-3
+
+
+def test_cloth_with_gaps_lies_in_the_shade_as_cloth_without_does(radiance, weave):
+    """Above a black floor that hides a part of the sky. What shows in wide gaps is in the shade of the cloth."""
+    materials = Material(metallic=0.0, name="cloth"), replace(PLAIN, base_color=(0, 0, 0, 1)), PLAIN
+    floor, wall = (plate(1), facing_floor(2.0, -0.5)), (plate(2), moved((0, 0, -0.05)))
+
+    def shown(width, *others):
+        name = weave({**WHITE, "color": [0.5, 0.5, 0.5], "width": width}, density=800.0)
+        model = scene(plate(), *others, materials=materials, environment=constant())
+        return radiance(model, orthographic(0.3, 0.4, 0.6), SIZE, weave=f"{name},cloth", environment_shadows="64",
+                        background="none").mean(axis=(0, 1))
+
+    assert shown(1.0, floor)[1] < 0.85 * shown(1.0)[1]
+    assert shown(0.99, floor)[1] == pytest.approx(shown(1.0, floor)[1], rel=0.02)
+    net = shown(0.5)
+    assert shown(0.5, wall)[1] < net[1] + 0.3 * (1 - net[3])
+
+
+@pytest.mark.parametrize("width", [0.5, 0.9])
+def test_cloth_that_shows_in_the_gaps_of_cloth_is_as_bright_as_alone(radiance, weave, width):
+    """Though fewer places stand for it where gaps are narrow: two, one behind the other, are what one over the other
+    makes. Both cover what yarns of their width do."""
+    net = weave({"color": [0.7, 0.7, 0.7], "width": width}, density=800.0, color=[0.05, 0.05, 0.05])
+    one, two = (radiance(scene(*plates, lights=(SUN,)), orthographic(0, 0, 1.0), SIZE, weave=net, shadows="off")
+                for plates in ((plate(),), (plate(), (plate(), moved((0, 0, -0.3))))))
+    assert np.abs(1 - one[..., 3] - (1 - width)**2).max() < 0.02
+    np.testing.assert_allclose(two, one + (1 - one[..., 3:]) * one, rtol=0.01)
 
 
 def test_fibres_shine_in_the_plane_across_them(radiance, weave):

@@ -110,9 +110,14 @@ class Draw:
         return self.program.get("DEFERRED") == 1
 
     @property
+    def has_gaps(self) -> bool:
+        """Whether it is cloth between whose yarns something shows: it blends, but hides nearly all behind it."""
+        return self.program.get("WOVEN") == 1 and self.alpha_mode == "blend"
+
+    @property
     def is_in_gbuffer(self) -> bool:
-        """Whether a pass needs its position and normal before the surfaces are shaded."""
-        return self.uses_visibility or self.traces_reflections
+        """Whether it or a pass needs its position and normal before it is shaded."""
+        return self.uses_visibility or self.traces_reflections or self.has_gaps
 
 
 @dataclass(frozen=True)
@@ -210,6 +215,15 @@ class Plan:
     def has_visibility(self) -> bool:
         """Whether a pass computes the visibility of the environment before the surfaces are shaded."""
         return any(draw.uses_visibility for draw in self.kinds)
+
+    def uses_visibility(self, has_gaps: bool) -> bool:
+        """Whether it is computed for cloth with gaps, or for other surfaces."""
+        return any(draw.uses_visibility and draw.has_gaps == has_gaps for draw in self.kinds)
+
+    @property
+    def has_gaps(self) -> bool:
+        """Whether something shows between the yarns of cloth."""
+        return any(draw.has_gaps for draw in self.kinds)
 
     @property
     def tints_sky(self) -> bool:

@@ -184,7 +184,7 @@ def _draw(
         material = without_constant_maps(material)
     material = supported(material, mesh, settings.ndf)
     lit = is_lit(mesh, material)
-    if material.alpha_mode == "blend" or material.transmits:
+    if material.transmits or (material.alpha_mode == "blend" and material.weave is None):
         common = common | {"VISIBILITY": 0, "TRACED_REFLECTION": 0}  # the G-buffer holds the opaque surface behind
     if common["VISIBILITY"]:
         common = common | {"SKY_SHADOWS": 0}

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..scene.schema import MAP_SWITCHES, MAPS
+from .map_switches import ALPHA_MODES
 from .model import ALONE, SPREAD
 
 MAX_SAMPLERS = 16
@@ -20,7 +21,9 @@ def sampler_count(switches: Mapping[str, int]) -> int:
         "WOVEN", *_OPTIONAL)}
     is_pbr, is_lit = int("REFLECTS" in switches), int("LIGHT_COUNT" in switches)
     tables = on["REFLECTS"] + is_pbr * on["HAS_ENVIRONMENT"] * (1 + on["REFLECTS"]) + on["SHADOW_LAYERS"]
-    passes = on["HAS_TRANSMISSION"] + 2 * on["VISIBILITY"] + 2 * on["TRACED_REFLECTION"] + 3 * on["TRACED_REFRACTION"]
+    has_gaps = on["WOVEN"] and switches["ALPHA_MODE"] == ALPHA_MODES.index("blend")
+    passes = on["HAS_TRANSMISSION"] + 2 * on["TRACED_REFLECTION"] + 3 * on["TRACED_REFRACTION"]
+    passes += max(2 * on["VISIBILITY"], has_gaps)
     passes += 2 * (switches.get("SUBSURFACE") == SPREAD)
     tables += on["WOVEN"] + switches.get("GROOVED", 0)
     passes += 2 * switches.get("DEFERRED", 0)

@@ -32,7 +32,7 @@ from .target import Target
 from .traced.reflections import TracedReflections
 from .traced.refraction import TracedRefraction
 from .transmission import Backdrop
-from .units import UNIT_RADIANCE
+from .units import UNIT_BACKGROUND, UNIT_RADIANCE
 from .visibility import MOST_POINTS, VisibilityPass
 from .wireframe import Wireframe
 
@@ -115,19 +115,19 @@ class Passes:
             if not plan.is_over_layers:
                 target.framebuffer.use()
                 target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
-            self._draw_surfaces(plan, frame, target, settings, uniforms, media)
+            self._draw_surfaces(plan, frame, pixels, target, settings, uniforms, media)
 
     def _draw_before_surfaces(self, plan: Plan, frame: Frame, pixels: Frame,
                               uniforms: dict[str, object]) -> dict[str, object]:
         """Find what surfaces look up for each pixel. Under supersampling visibility is found once a pixel or
         less, reflections at each point that is shaded."""
         found: dict[str, object] = {}
-        seen = pixels.within(MOST_POINTS) if plan.environment_shadows else pixels
-        views = [seen] * plan.has_visibility + [frame] * plan.has_traced_reflections
+        seen = _seen(plan, pixels)
+        views = [seen] * (plan.has_visibility or plan.has_gaps) + [frame] * plan.has_traced_reflections
         if views:
             with self._watch.drawing("G-buffer"):
                 gbuffers = self._drawn_gbuffers({view.size: view for view in views}, plan, uniforms)
-        if plan.has_visibility:
+        if plan.uses_visibility(has_gaps=False):
             with self._watch.drawing("visibility"):
                 found |= self._visibility.find(seen, plan, gbuffers[seen.size])
         if plan.has_traced_reflections:
@@ -142,8 +142,8 @@ class Passes:
         with self._watch.drawing("media"):
             return self._media.march(frame, settings, plan, self._prepared.environment, uniforms, target.size, still)
 
-    def _draw_surfaces(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object],
-                       media: dict[str, object]) -> None:
+    def _draw_surfaces(self, plan: Plan, frame: Frame, pixels: Frame, target: Target, settings: Settings,
+                       uniforms: dict[str, object], media: dict[str, object]) -> None:
         """Draw what is seen, each pass over what those before have left in `target`."""
         surfaces, drawing = self._prepared.surfaces, self._watch.drawing
         if plan.has_deferred:
@@ -187,6 +187,8 @@ class Passes:
                 uniforms |= self._take_backdrop(target)
                 surfaces.draw_transmissive(THIN_WALLED, frame, plan, uniforms)
         if plan.has_blended:
+            if plan.has_gaps:
+                uniforms |= self._draw_before_cloth(plan, _seen(plan, pixels), target, uniforms)
             with drawing("blend"):
                 surfaces.draw_blended(frame, plan, uniforms)
         if plan.wireframe:
@@ -215,8 +217,25 @@ class Passes:
         for size, view in views.items():
             if size not in self._gbuffers:
                 self._gbuffers[size] = GBuffer(self._gl, self._depth, size)
-            self._gbuffers[size].draw(lambda view=view: self._prepared.surfaces.draw_gbuffer(view, plan, uniforms))
+            self._gbuffers[size].draw(lambda view=view: self._prepared.surfaces.draw_gbuffer(
+                view, plan, uniforms, has_gaps=False))
         return self._gbuffers
+
+    def _draw_before_cloth(self, plan: Plan, seen: Frame, target: Target,
+                           uniforms: dict[str, object]) -> dict[str, object]:
+        """Find what cloth with gaps looks up: which of it is the nearest, and its visibility. It is found anew, since
+        what shows in the gaps needs its own. Leaves the target's framebuffer in use."""
+        gbuffer = self._gbuffers[seen.size]
+        with self._watch.drawing("G-buffer"):
+            gbuffer.draw(lambda: self._prepared.surfaces.draw_gbuffer(seen, plan, uniforms, has_gaps=True))
+        if plan.uses_visibility(has_gaps=True):
+            with self._watch.drawing("visibility"):
+                found = self._visibility.find(seen, plan, gbuffer)
+        else:
+            gbuffer.positions.use(UNIT_BACKGROUND)
+            found = {"u_positions": UNIT_BACKGROUND}
+        target.framebuffer.use()
+        return found
 
     def _take_backdrop(self, target: Target) -> dict[str, object]:
         """Copy the picture so far, for transmissive surfaces. Leaves the target's framebuffer in use."""
@@ -231,3 +250,8 @@ class Passes:
         free(self._gl, self._backdrop, self._visibility, self.reflections, self.refraction, self._media,
              self._subsurface, self._deferred, *self._gbuffers.values(), self._overdraw, self._wireframe, self._grid,
              self.curves, self._shadows, self._uniforms, self.layers, self._ground)
+
+
+def _seen(plan: Plan, pixels: Frame) -> Frame:
+    """The points at which the visibility of the environment is found."""
+    return pixels.within(MOST_POINTS) if plan.environment_shadows else pixels

@@ -79,9 +79,10 @@ class Surfaces:
             self.mesh(draw.mesh)
         self.textures.upload()
 
-    def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
-        """Draw the G-buffer of the surfaces that need one: shaders/raster/gbuffer.frag."""
-        draws = [replace(d, program=gbuffer_program(d.program)) for d in plan.draws if d.is_in_gbuffer]
+    def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object], has_gaps: bool) -> None:
+        """Draw the G-buffer of cloth with gaps, or of the other surfaces that need one: shaders/raster/gbuffer.frag."""
+        draws = [replace(d, program=gbuffer_program(d.program), alpha_mode="opaque" if has_gaps else d.alpha_mode)
+                 for d in plan.draws if d.is_in_gbuffer and d.has_gaps == has_gaps]
         self._draw_solid(draws, frame, plan, frame_uniforms)
 
     def draw_refraction_rays(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
