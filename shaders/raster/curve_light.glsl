@@ -48,13 +48,13 @@ vec3 fibre_response(SeenFibre s, vec3 wi) {
 const int STEPS_ABOUT = 8; // directions about the fibre
 
 #if HAIR_LIGHT
-// Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter; the Legendre
-// moments 1 to 4 of its inclination to the fibres, over its mean; v, where more of it comes from across them, 1 + v . d
-// times; and how much they hide in the direction d, a + b . d with a in the first channel. Fibres hide another share in
-// each channel: u_hair_exponents are the extinctions over that of u_hair_hidden. Of what they take away, the share
-// u_hair_kept does not go on almost straight through them.
-uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_across, u_hair_hidden;
-uniform vec3 u_hair_exponents, u_hair_kept;
+// Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter, from where they
+// hide the outside; the Legendre moments 1 to 4 of its inclination to the fibres, over its mean; v, where more of it
+// comes from across them, 1 + v . d times; and how open it is in the direction d along fibres t, 1 / (1 + the optical
+// depth to the outside) = a + b . d + c (t . d)^2, with a in the first channel and c in the last one of u_hair_across.
+// Of what fibres take away, the share u_hair_kept does not go on almost straight through them.
+uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_across, u_hair_open;
+uniform vec3 u_hair_kept;
 uniform vec3 u_hair_low, u_hair_scale; // the grid's corner in eye-relative units, and 1 / its sides
 
 vec3 in_hair(vec3 position) {
@@ -89,27 +89,37 @@ float environment_lod(SeenFibre s, mat3x4 lobes, float step) {
 // Light from all around over all lobes: from directions on the cone where theta_i = -theta_o, about which they lie.
 struct LightAround {
     vec3 scattered; // mean radiance of light from fibres
-    vec3 across;    // where it comes from
-    vec4 hidden;
+    vec4 across;    // where it comes from, and c
+    vec4 open;      // a and b
 };
 
-// Fibres scatter light from where they hide the sky: in a white furnace the two add up to 1.
-vec3 hair_opacity(float opacity) {
+LightAround light_between_fibres(vec3 position) {
 #if HAIR_LIGHT
-    return 1.0 - pow(vec3(clamp(1.0 - opacity, 0.0, 1.0)), u_hair_exponents);
+    vec3 at = in_hair(position);
+    return LightAround(textureLod(u_hair_scattered, at, 0.0).rgb, textureLod(u_hair_across, at, 0.0),
+                       textureLod(u_hair_open, at, 0.0));
 #else
-    return vec3(0.0);
+    return LightAround(vec3(0.0), vec4(0.0), vec4(0.0));
 #endif
 }
 
-// `share` of the environment from d, at the level `lod`, and `inclined` of the light from fibres
-vec3 arriving_from(LightAround a, vec3 d, float lod, vec3 share, vec3 inclined) {
-    vec3 opacity = hair_opacity(a.hidden.x + dot(a.hidden.yzw, d)), radiance = vec3(0.0);
+// The optical depth to the outside in the direction d, whose sine to the fibre is given
+float depth_to_outside(LightAround a, vec3 d, float sine) {
+    return 1.0 / clamp(a.open.x + dot(a.open.yzw, d) + a.across.w * sine * sine, 1e-3, 1.0) - 1.0;
+}
+
+// `share` of the environment from d, at the level `lod`, and `inclined` of the light from fibres, which scatter it from
+// where they hide the outside: in a white furnace the two add up to 1.
+vec3 arriving_from(LightAround a, vec3 d, float sine, float lod, vec3 share, vec3 inclined) {
+    vec3 radiance = vec3(0.0), opacity = vec3(0.0);
+#if HAIR_LIGHT
+    opacity = 1.0 - exp(-u_hair_kept * depth_to_outside(a, d, sine));
+    radiance = inclined * max(1.0 + dot(a.across.xyz, d), 0.0) * a.scattered * opacity;
+#endif
 #if HAS_ENVIRONMENT
     radiance += share * environment_level(d, lod) * (1.0 - opacity);
 #endif
-    return radiance + inclined * max(1.0 + dot(a.across, d), 0.0) * a.scattered * opacity
-        / max(hair_opacity(a.hidden.x), vec3(1e-4));
+    return radiance;
 }
 
 // How much of the light from fibres each lobe gathers, over its mean. The lobe widens what it gathers from: a Legendre
@@ -138,21 +148,17 @@ vec3 light_about_offset(SeenFibre s, LightAround a, vec4 gathered, mat3 frame) {
 #if HAS_ENVIRONMENT
         lod = lod_of_variance(min(s.lobes.variance[p], about)); // no light from beside a narrow lobe
 #endif
-        radiance += arriving_from(a, d, lod, A[p], gathered[p] * A[p]);
+        radiance += arriving_from(a, d, s.lobes.mean[p].y, lod, A[p], gathered[p] * A[p]);
     }
     return radiance;
 }
 #endif
 
 vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
-    LightAround a = LightAround(vec3(0.0), vec3(0.0), vec4(0.0));
+    LightAround a = light_between_fibres(position);
     vec4 gathered = vec4(1.0);
 #if HAIR_LIGHT
-    vec3 at = in_hair(position);
-    a.hidden = textureLod(u_hair_hidden, at, 0.0);
-    a.scattered = textureLod(u_hair_scattered, at, 0.0).rgb;
-    a.across = textureLod(u_hair_across, at, 0.0).xyz;
-    gathered = gathered_by_lobes(s, textureLod(u_hair_inclined, at, 0.0));
+    gathered = gathered_by_lobes(s, textureLod(u_hair_inclined, in_hair(position), 0.0));
 #endif
     float step = 2.0 * PI / float(STEPS_ABOUT);
     float lod = 0.0;
@@ -165,9 +171,9 @@ vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
 #if HAS_ENVIRONMENT
         lod = environment_lod(s, lobes, step);
 #endif
-        radiance += arriving_from(a, frame * d, lod, share, inclined);
+        radiance += arriving_from(a, frame * d, d.x, lod, share, inclined);
         if (k == 0 || 2 * k == STEPS_ABOUT) continue;
-        radiance += arriving_from(a, frame * vec3(d.x, -d.y, d.z), lod, share, inclined);
+        radiance += arriving_from(a, frame * vec3(d.x, -d.y, d.z), d.x, lod, share, inclined);
     }
 #if NEAR
     radiance = mix(radiance, light_about_offset(s, a, gathered, frame), s.nearness);

@@ -42,38 +42,24 @@ uniform vec4 u_mean_fibre; // its absorption, and the factor of the root of an a
 vec3 own_share() {
     return exp(-OWN_POWER * u_mean_fibre.w * (sqrt(absorption()) - sqrt(u_mean_fibre.rgb)));
 }
-#else
-vec3 own_share() {
-    return vec3(1.0);
-}
 #endif
 
 #if HAS_ENVIRONMENT || HAIR_LIGHT
 const int STEPS = 8; // directions about the fibre
 
-struct YarnLight {
-    vec3 scattered; // radiance of light from fibres where they hide the sky
-    vec3 across;    // as in LightAround
-    vec4 hidden;    // by all fibres
-    vec3 own;
-};
-
-// From d, for `share` of the environment at the level `lod`. The yarn's own fibres may hide more than the grid knows
-// of. Light that goes on almost straight through fibres is not hidden: the light between them, which comes from where
-// they hide others, was worked out without it.
-vec3 arriving_in_yarn(YarnLight a, Inside at, vec3 d, float lod) {
+// From d, whose sine to the fibre is given, with the environment at the level `lod`. The yarn's own fibres may hide
+// more than the grid knows of. Light that goes on almost straight through fibres is not hidden: the light between them,
+// which comes from where they hide others, was worked out without it.
+vec3 arriving_in_yarn(LightAround a, Inside at, vec3 d, float sine, float lod) {
     float way, depth = own_depth(at, d, way);
     vec3 arriving = vec3(0.0);
 #if HAIR_LIGHT
-    float clear = clamp(1.0 - a.hidden.x - dot(a.hidden.yzw, d), 1e-6, 1.0); // past others; hidden to the mean of kept
-    float all = max(depth, -log(clear) * u_hair_exponents.x / u_hair_kept.x);
-    vec3 opacity = 1.0 - exp(-u_hair_kept * all);
-#if HAS_COLORS
-    arriving = a.scattered * (opacity + (a.own - 1.0) * (1.0 - exp(-u_hair_kept * depth)));
-#else
+    vec3 opacity = 1.0 - exp(-u_hair_kept * max(depth, depth_to_outside(a, d, sine)));
     arriving = a.scattered * opacity;
+#if HAS_COLORS
+    arriving += a.scattered * (own_share() - 1.0) * (1.0 - exp(-u_hair_kept * depth));
 #endif
-    arriving *= max(1.0 + dot(a.across, d), 0.0);
+    arriving *= max(1.0 + dot(a.across.xyz, d), 0.0);
 #else
     vec3 opacity = vec3(1.0 - exp(-depth));
 #endif
@@ -86,13 +72,7 @@ vec3 arriving_in_yarn(YarnLight a, Inside at, vec3 d, float lod) {
 // Light from all around, from the cone onto which the fibre scatters: the environment past the yarn's own fibres and
 // others, and what these scatter where they hide it
 vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
-    YarnLight a = YarnLight(vec3(0.0), vec3(0.0), vec4(0.0), own_share());
-#if HAIR_LIGHT
-    a.hidden = textureLod(u_hair_hidden, in_hair(position), 0.0);
-    a.across = textureLod(u_hair_across, in_hair(position), 0.0).xyz;
-    a.scattered = textureLod(u_hair_scattered, in_hair(position), 0.0).rgb
-        / max(hair_opacity(a.hidden.x), vec3(1e-3));
-#endif
+    LightAround a = light_between_fibres(position);
     float step = 2.0 * PI / float(STEPS), lod = 0.0;
     vec3 radiance = vec3(0.0);
     for (int k = 0; k < STEPS / 2; ++k) {
@@ -102,8 +82,8 @@ vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
 #if HAS_ENVIRONMENT
         lod = environment_lod(s, lobes, step);
 #endif
-        radiance += vec4(1.0) * lobes
-            * (arriving_in_yarn(a, at, along + aside, lod) + arriving_in_yarn(a, at, along - aside, lod));
+        radiance += vec4(1.0) * lobes * (arriving_in_yarn(a, at, along + aside, -s.wo.x, lod)
+                                         + arriving_in_yarn(a, at, along - aside, -s.wo.x, lod));
     }
     return radiance;
 }

@@ -27,6 +27,8 @@ from .fibre_medium import ORDERS, fibre_medium
 from .many_lights import ManyLights, uniform_lights
 
 _DIRECTIONS = 32
+_RIDGE = 0.03
+"""What keeps `_fitted` solvable where no fibres are."""
 _ROUNDS = 2
 """Times that the moments of the inclination are solved for, each from the others of the round before."""
 
@@ -35,13 +37,13 @@ _ROUNDS = 2
 class HairLight:
     """Light that fibres have scattered, on the grid.
 
-    `radiance` (nz, ny, nx, 3) is its mean over all directions. `inclined` (nz, ny, nx, 4) has its moments phi_1 to
-    phi_4 over phi_0, in the mean of the channels. Its radiance from a direction d is greater by 1 + v . d than light
-    from where fibres hide the outside would be, with v `across` (nz, ny, nx, 3), at a right angle to the fibres.
-    `depths` has the optical depth (nz, ny, nx) to each light.
+    `scattered` (nz, ny, nx, 3) is its mean radiance from where fibres hide the outside. `inclined` (nz, ny, nx, 4) has
+    its moments phi_1 to phi_4 over phi_0, in the mean of the channels. From a direction d it comes 1 + v . d times,
+    with v `across` (nz, ny, nx, 3), at a right angle to the fibres. `depths` has the optical depth (nz, ny, nx) to each
+    light.
     """
 
-    radiance: np.ndarray
+    scattered: np.ndarray
     inclined: np.ndarray
     across: np.ndarray
     depths: list[np.ndarray]
@@ -50,31 +52,29 @@ class HairLight:
 class HairMedium:
     """The fibres of `grid`, all like `fibre`, as a medium: all that does not depend on lights.
 
-    `hidden` (nz, ny, nx, 4) says how much they hide in a direction d, for light that has lost the share `kept`, the
-    mean of `medium.kept`: a + b . d, with a in the first channel.
+    `open` (nz, ny, nx, 5) says how open it is in a direction d along fibres t, 1 / (1 + the optical depth to the
+    outside) = a + b . d + c (t . d)^2: a, b and c. What fibres hide follows in each channel for itself.
     """
 
     def __init__(self, grid: FibreGrid, fibre: Fibre) -> None:
         self.grid, self.fibre, self.medium = grid, fibre, fibre_medium(fibre)
-        self.kept = float(self.medium.kept.mean())
         self._extinction = grid.density * np.float32(MEAN_SINE)
         self._axis, self._order = grid.moments()
         self._open = np.zeros((ORDERS, *grid.shape), np.float32)
-        self.hidden = np.zeros((*grid.shape, 4), np.float32)
+        directions = uniform_lights(_DIRECTIONS, np.ones(3)).directions
+        depths = np.stack([grid.depth(direction) for direction in directions])
+        self.open = _fitted(depths, directions, self._axis)
         around = np.zeros((ORDERS, 3, *grid.shape), np.float32)
-        for direction in uniform_lights(_DIRECTIONS, np.ones(3)).directions:
-            depth = grid.depth(direction)
+        opacity = np.zeros((3, *grid.shape), np.float32)
+        for direction, depth in zip(directions, depths, strict=True):
             passed = self._passed(depth) / _DIRECTIONS
             self._add(around, passed, direction)
-            opacity = -np.expm1(-self.kept * depth) / _DIRECTIONS
-            self.hidden += opacity[..., None] * np.array([1.0, *(3 * direction)], np.float32)
+            opacity += 1 / _DIRECTIONS - passed
         # Under light from all around what fibres scatter comes evenly from all sides, but what reaches them does not.
         self._open[1:] = around[1:, 1] / np.maximum(around[0, 1], 1e-30)
         self._white = self._diffused(around[:1], np.ones_like(around[:1]))[0]
-        # In a medium that absorbs nothing, under radiance 1 from everywhere, all radiance is 1 (diffusion.py). What
-        # each channel hides in the mean is what shaders take it to be, by a power of the mean of all.
-        opacity = 1 - np.maximum(1 - self.hidden[..., 0], 0)**_channels(self.medium.kept / self.kept)
-        self._correction = np.minimum(opacity / np.maximum(self._white, 1e-30), MOST_CORRECTED)
+        # In a medium that absorbs nothing, under radiance 1 from everywhere, all radiance is 1 (diffusion.py).
+        self._from_hidden = 1 / np.maximum(self._white, np.maximum(opacity / MOST_CORRECTED, 1e-30))
 
     def lit(self, lights: Iterable[Light], sky: ManyLights | None) -> HairLight:
         """The light of `lights` and of the environment, `sky`."""
@@ -96,9 +96,9 @@ class HairMedium:
             irradiance = _irradiance(light, grid.centers).reshape(grid.shape)
             self._add(around, self._passed(depth) * irradiance * _channels(light.color), towards)
         phi = self._lit(around)
-        radiance = np.maximum(phi[0] * self._correction, 0) / np.float32(4 * math.pi)
+        scattered = np.maximum(phi[0] * self._from_hidden, 0) / np.float32(4 * math.pi)
         inclined = np.clip(phi[1:].sum(axis=1) / np.maximum(phi[0].sum(axis=0), 1e-30), -1, 1)
-        return HairLight(np.moveaxis(radiance, 0, -1), np.moveaxis(inclined, 0, -1), self._across(phi[0]), depths)
+        return HairLight(np.moveaxis(scattered, 0, -1), np.moveaxis(inclined, 0, -1), self._across(phi[0]), depths)
 
     def _add(self, light: np.ndarray, arriving: np.ndarray, direction: np.ndarray) -> None:
         """Add light that no fibre has scattered, `arriving` (3, nz, ny, nx) from `direction`, (3,) or (3, nz, ny, nx),
@@ -145,6 +145,20 @@ class HairMedium:
 
     def _reduced(self, depth: np.ndarray) -> np.ndarray:
         return depth + np.float32(1 / min(self.grid.shape))  # a mean free path is no longer than the grid
+
+
+def _fitted(depths: np.ndarray, directions: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """a, b and c (nz, ny, nx, 5) of `HairMedium.open`, by least squares. `depths` (n, nz, ny, nx) are those in the
+    `directions` (n, 3), and `axis` is (3, nz, ny, nx)."""
+    d = directions.astype(np.float32)
+    terms = np.empty((5, *depths.shape), np.float32)
+    terms[0] = 1
+    terms[1:4] = d.T[:, :, None, None, None]
+    terms[4] = np.einsum("nk,kzyx->nzyx", d, axis)**2
+    normal = np.einsum("inzyx,jnzyx->zyxij", terms, terms) + _RIDGE * np.eye(5, dtype=np.float32)
+    right = np.einsum("inzyx,nzyx->zyxi", terms, 1 / (1 + depths))
+    found: np.ndarray = np.linalg.solve(normal, right[..., None])[..., 0]
+    return found
 
 
 def _channels(values: ArrayLike) -> np.ndarray:

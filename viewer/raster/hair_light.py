@@ -32,7 +32,8 @@ def medium_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
 
 def hair_medium(scene: Scene, settings: Settings) -> HairMedium:
     """The medium that the scene's curves are."""
-    return HairMedium(fibre_grid(dense_curves(scene, settings)), mean_fibre(scene, settings))
+    grid = fibre_grid(dense_curves(scene, settings), settings.yarn != "off")
+    return HairMedium(grid, mean_fibre(scene, settings))
 
 
 def light_key(plan: Plan, environment: EnvironmentLight | None) -> tuple[object, ...]:
@@ -46,24 +47,22 @@ class HairLight:
                  environment: EnvironmentLight | None) -> None:
         self.medium, self.key = hair, light_key(plan, environment)
         light = hair.lit(plan.lights, environment.sky_lights(plan) if environment is not None else None)
-        self._kept, self._exponents = tuple(hair.medium.kept.tolist()), tuple((hair.medium.kept / hair.kept).tolist())
-        self._spread = hair.medium.spread
+        self._kept, self._spread = tuple(hair.medium.kept.tolist()), hair.medium.spread
         self._low, self._sides = hair.grid.low, hair.grid.cell * np.array(hair.grid.shape[::-1])
-        scattered, across = (np.pad(values, ((0, 0),) * 3 + ((0, 1),))
-                             for values in (np.minimum(light.radiance, _MOST), light.across))
+        scattered = np.pad(np.minimum(light.scattered, _MOST), ((0, 0),) * 3 + ((0, 1),))
+        across = np.concatenate([light.across, hair.open[..., 4:]], axis=-1)
         # The depths to all lights lie one above the other along z.
         depths = np.concatenate(light.depths)[..., None] if light.depths else np.zeros((1, 1, 1, 1))
         self._textures = [_texture(gl, values) for values in (
-            scattered, light.inclined, across, hair.hidden, np.minimum(depths, _MOST))]
+            scattered, light.inclined, across, hair.open[..., :4], np.minimum(depths, _MOST))]
 
     def bind(self, frame: Frame) -> dict[str, object]:
         """The uniforms of shaders/raster/curve_light.glsl; binds the textures."""
         units = {}
-        for k, name in enumerate(("scattered", "inclined", "across", "hidden", "depths")):
+        for k, name in enumerate(("scattered", "inclined", "across", "open", "depths")):
             self._textures[k].use(UNIT_HAIR + k)
             units[f"u_hair_{name}"] = UNIT_HAIR + k
-        return units | {"u_hair_kept": self._kept, "u_hair_exponents": self._exponents,
-                        "u_hair_spread": self._spread,
+        return units | {"u_hair_kept": self._kept, "u_hair_spread": self._spread,
                         "u_hair_low": tuple(frame.position(self._low)), "u_hair_scale": tuple(frame.unit / self._sides)}
 
     def release(self) -> None:
