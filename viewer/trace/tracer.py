@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
@@ -181,7 +182,8 @@ class Tracer:
         passes = Passes(self.context, self.programs, plan, use_textures, setup.traced.set_uniforms,
                         {**setup.uniforms, "u_sky": UNIT_SKY})
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
-        schedule = Schedule(film, settings, first, None if sky is None else int(np.count_nonzero(~sky.is_bare)))
+        tiles = math.prod(film.tiles) if sky is None else int(np.count_nonzero(~sky.is_bare))
+        schedule = Schedule(film, settings, first, None if plan.photons else tiles)  # photons come after small rounds
         return PathRender(passes, setup.traced.intersector, plan, film, schedule, settings,
                           self._display, layers, setup.denoiser, photons, guide, sky, is_interactive, first)
 

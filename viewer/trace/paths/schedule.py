@@ -36,8 +36,10 @@ class Schedule:
     """Hands out work to the wavefronts of one picture. `done`: all work has been handed out."""
 
     def __init__(self, film: Film, settings: Settings, first: int = 0, traced: int | None = None) -> None:
-        """`first` is the number of the first sample, for a part of a picture that is neither adaptive nor timed;
-        `traced` how many tiles have pixels that are traced (None: all)."""
+        """`first` is the number of the first sample, for a part of a picture that is neither adaptive nor timed.
+
+        `traced` is how many tiles have pixels that are traced, if the work of a small picture is to begin at once;
+        None: small rounds come first."""
         self._film, self._target, self._most = film, settings.error, first + settings.most_spp
         self._is_timed = settings.time_budget is not None
         self._is_adaptive = settings.error is not None or self._is_timed
@@ -45,7 +47,7 @@ class Schedule:
         columns, rows = film.tiles
         self._issued = np.full((rows, columns), first, np.int64)
         self._pixels = np.outer(_sides(film.size[1], rows), _sides(film.size[0], columns))
-        self._traced = self._issued.size if traced is None else traced
+        self._traced = traced
         self._rounds = 0
         self._chunk: int | None = None
         self._parts = np.zeros((2, rows, columns), np.int64)
@@ -98,7 +100,7 @@ class Schedule:
         """Samples of a work item, if one wavefront asks for so many items, before tiles get different numbers."""
         if self._film.parts and self._issued.min() < MAX_CHUNK:
             return 1  # so that both parts have as many of few samples
-        if not self._rounds and not self._is_adaptive and count >= self._issued.size:
+        if self._traced is not None and not self._rounds and not self._is_adaptive and count >= self._issued.size:
             left = self._most - int(self._issued.min())
             self._chunk = min(max(-(-self._traced * left // (2 * count)), 1), LONG_CHUNK)  # fills two wavefronts
         return self._chunk or min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
