@@ -29,7 +29,7 @@ int weave_share() {
 // in texture coordinates: of a pixel, or of a part of it. Places of the draft come in pairs of warp and weft.
 vec3 weave_place(int k, int count, int share, vec2 uv, vec2 x, vec2 y) {
     vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size) * float(SHADED_SIDE); // of the pixel
-    float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y)), among = float(share) / float(WEAVE_SHARES * count);
+    float whole = smoothstep(1.0, 1.5, max(extent.x, extent.y)), among = float(share) / float(WEAVE_SHARES * count);
     if (hammersley(uint(k / 2), uint(count / 2)).y + 2.0 * among < whole) {
         int apart = WEAVE_PLACES / (WEAVE_SHARES * count), pair = apart * (WEAVE_SHARES * (k / 2) + share) + apart / 2;
         vec3 place = u_weave_places[2 * pair + k % 2];
@@ -132,9 +132,11 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
 #if HAS_ENVIRONMENT
         due += place.z * mat2x3(v.mirrored * m.specular, v.once - v.onwards);
         for (int j = 0; j < lookups && !woven_is_gap(m); ++j) {
-            // In turn, for a warp and a weft if there are both; all points in a pixel have samples of their own
+            // In turn, for a pair of places if there are pairs; each of them and all points in a pixel have samples of
+            // their own
             int turn = places > 2 ? k >> 1 : k + j, lobe = turn & 1;
             vec2 u = hammersley(uint((turn >> 1) * WEAVE_SHARES + share), uint(samples)).yx + 0.5 / float(samples);
+            u = fract(u + 0.5 * float(k & 1));
             bool is_mirrored = lobe == 0;
             Flakes f = Flakes(m.axis, is_mirrored ? v.flakes.alpha : ENTERED_ALPHA);
             vec3 h = flakes_sample(f, wo, u);
@@ -154,7 +156,7 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
             }
             weight *= place.z * woven_weight(v, m.thickness, wo, wi);
             weights[lobe] += weight;
-            once[lobe] += weight * environment_specular(frame * wi, is_mirrored ? 0.5 : 0.4);
+            once[lobe] += weight * environment_specular(frame * wi, is_mirrored ? 0.4 : 0.3);
         }
 #endif
 #if LIGHT_COUNT > 0
