@@ -8,8 +8,8 @@
 struct FarLight {
     vec4 u, v, depth; // rows of the matrix from eye-relative position to the atlas
     vec4 direction;   // to the light, in the world; w: a texel's size in scene units
-    vec4 irradiance;  // of a surface facing it
-    vec4 reflected;   // of a surface facing what hides it
+    vec4 irradiance;  // of a surface facing it; w: its solid angle
+    vec4 reflected;   // of a surface facing what hides it, if nothing hides what lights that
 };
 layout(std140) uniform FarLights {
     FarLight u_far_lights[LIGHTS];
@@ -21,6 +21,10 @@ uniform sampler2DShadow u_atlas;
 uniform sampler2D u_tints; // raster/sky_tint.frag, in tiles at the same places
 #endif
 uniform float u_least_alpha; // of the specular lobe
+#if ESTIMATED
+uniform vec3 u_reflectance, u_emission; // the means of all surfaces
+uniform float u_body; // the radius of a disc as large as a side of the mean body
+#endif
 uniform vec3 u_view_direction; // towards the eye
 
 layout(location = 0) out vec4 o_shadowed; // rgb: irradiance, a: luminance reflected by the specular lobe
@@ -41,6 +45,11 @@ void main() {
     float alpha = max(surface.w * surface.w, u_least_alpha);
 
     o_shadowed = o_unshadowed = vec4(0.0);
+#if ESTIMATED
+    vec4 reflected = vec4(0.0);
+    // Solid angles by the cosine: of all lights, of the hidden ones, of these by the lobe, and of the body before these
+    vec4 angles = vec4(0.0);
+#endif
     for (int i = 0; i < LIGHTS; ++i) {
         FarLight light = u_far_lights[i];
         vec3 l = light.direction.xyz;
@@ -65,8 +74,29 @@ void main() {
 #endif
         o_shadowed += facing > 0.0 ? visible * unshadowed : vec4(0.0);
 #if ESTIMATED
-        vec4 reflected = vec4(light.reflected.rgb, lobe * luminance(light.reflected.rgb)) * NoL;
-        o_shadowed += facing > 0.0 ? (1.0 - visible) * reflected : reflected;
+        float hidden = facing > 0.0 ? 1.0 - visible : 1.0, near = 0.0;
+        if (facing > 0.0 && hidden > 0.0) {
+            float beyond = dot(light.depth, vec4(p.xyz + u_body * l, 1.0));
+            near = max(textureLod(u_atlas, vec3(place.xy, beyond), 0.0) - visible, 0.0);
+        }
+        reflected += hidden * NoL * vec4(light.reflected.rgb, lobe * luminance(light.reflected.rgb));
+        angles += NoL * light.irradiance.w * vec4(1.0, hidden, lobe * hidden, 0.5 * (1.0 + NoL) * near);
 #endif
     }
+#if ESTIMATED
+    // What hides light from here is lit by the part 1 - f of the half of the sky that it faces, and by this surface.
+    // Of that half, as much is hidden as here (Jimenez et al. 2016, "Practical Real-Time Strategies for Accurate
+    // Indirect Occlusion"), or what an endless plane hides that leans like this body, if it is less far than
+    // the body is wide: then a disc of this width hides more than half of what the plane does. Of n hidden lights, the
+    // next could be seen, so no share is more than n / (n + 1). With reflectance r, and the share h of hidden lights,
+    // light here is (direct + emitted + (1 - f) reflected) / (1 - r^2 f h). In a white furnace it is that of the sky.
+    const float n_lights = 0.5 * float(LIGHTS);
+    float h = angles.y / max(angles.x, 1e-30);
+    float f = max(h, angles.w / max(angles.y, 1e-30)) * n_lights / (n_lights + 1.0);
+    vec3 twice = f * u_reflectance * u_reflectance;
+    o_shadowed += (1.0 - f) * reflected + vec4(u_emission * angles.y, luminance(u_emission) * angles.z);
+    o_shadowed.rgb /= 1.0 - twice * h;
+    o_shadowed.a += luminance(twice * o_shadowed.rgb) * angles.z / max(angles.x, 1e-30);
+    o_shadowed = min(o_shadowed, 1e4 * o_unshadowed); // half floats hold the ratio
+#endif
 }

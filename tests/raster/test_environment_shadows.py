@@ -215,18 +215,46 @@ def test_a_black_environment_gives_no_nan(radiance):
 
 
 def test_estimated_light_makes_a_white_corner_in_uniform_light_invisible(radiance):
-    """What hides uniform light sends as much if it is white, nothing if it is black, and its mean colour if not."""
+    """What hides uniform light sends as much if it is white, and nothing if it is black. A mean colour r is between two
+    cases on paper, for a share h that is hidden: all that hides sees as much of the sky as the floor does,
+    (1 - h) / (1 - r h), or only the floor, (1 - h) / (1 - r^2 h)."""
     white = replace(corner(), materials=(replace(WHITE, double_sided=True),) * 2)
     hidden, found = (radiance(white, VIEW, SIZE, environment_shadows="64", indirect=indirect)[..., :3]
                      for indirect in ("off", "estimated"))
     assert hidden.min() < 0.7 and np.abs(found - 1).max() < 0.01
-    red = replace(white, materials=(replace(WHITE, base_color=(0.8, 0.2, 0.0, 1.0), double_sided=True),) * 2)
+    color = np.array([0.8, 0.2, 0.0])
+    red = replace(white, materials=(replace(WHITE, base_color=(*color, 1.0), double_sided=True),) * 2)
     floor = radiance(red, VIEW, SIZE, environment_shadows="64", indirect="estimated")[..., :3]
-    share = hidden / hidden.max()
-    expected = np.array([0.8, 0.2, 0.0]) * (share + (1 - share) * np.array([0.8, 0.2, 0.0]))
-    assert np.abs(floor - expected).max() < 0.02
+    h = 1 - hidden
+    least, most = (color * (1 - h) / (1 - r * h) for r in (color**2, color))
+    assert (floor > least - 0.02).all() and (floor < most + 0.02).all()
+    assert np.abs(floor[20, 24] - color * hidden[20, 24]).max() > 0.05
     black = replace(white, materials=(replace(WHITE, base_color=(0, 0, 0, 1), double_sided=True),) * 2)
     assert not radiance(black, VIEW, SIZE, environment_shadows="64", indirect="estimated")[..., :3].any()
+
+
+def test_what_lies_close_above_a_floor_is_dark_beneath(radiance):
+    """A small plate just above a wide floor hides a bright light above, and hardly gets any light from below. The floor
+    beneath is not lit as by the whole lower half of the sky, which is as bright as the upper."""
+    grey = replace(WHITE, base_color=(0.8, 0.8, 0.8, 1.0), double_sided=True)
+    model = scene((plate(0, half=2.0), facing_floor()), (plate(0, half=0.3), moved((0, 0.03, 0)) @ facing_floor()),
+                  materials=[grey], environment=constant())
+    below = Camera.look_at((0, 0.015, 0), (0, 0, 1e-4))
+    found = radiance(model, below, (8, 8), environment_shadows="64", indirect="estimated")[..., 0]
+    assert found.max() < 0.2  # 0.8 * 0.8 by the whole half of the sky
+
+
+def test_what_hides_the_sky_shines_as_the_mean_surface(radiance):
+    """A black wall that shines by 0.5 beside a white floor whose box has as large a surface: the mean is 0.25, which
+    the share h that is hidden sends, and again what of that comes back by reflectances of 0.5."""
+    white = replace(corner(), materials=(WHITE, BLACK))
+    hidden = radiance(white, VIEW, SIZE, environment_shadows="64")[..., :3]
+    shining = replace(white, materials=(WHITE, replace(BLACK, emissive=(0.5, 0.5, 0.5))))
+    dark, lit = (radiance(model, VIEW, SIZE, environment_shadows="64", indirect="estimated")[..., :3]
+                 for model in (white, shining))
+    h = 1 - hidden
+    gain = (lit - dark)[h > 0.2] / h[h > 0.2]
+    assert gain.min() > 0.24 and gain.max() < 0.25 / (1 - 0.25 * h.max()) + 0.01
 
 
 def test_fog_knows_roughly_what_a_wall_hides(radiance):

@@ -64,6 +64,11 @@ class EnvironmentLight:
                 self._irradiance.release()
                 self._irradiance = None
 
+    @property
+    def scale(self) -> float:
+        """Of the radiance in the bake."""
+        return self._baked.scale * self.environment.intensity
+
     def lights(self, settings: Settings) -> list[Light]:
         """The environment's suns; in mode phong, which reflects no environment, also its dominant direction.
 
@@ -90,7 +95,7 @@ class EnvironmentLight:
         return baked.levels[1].astype(np.float64) * (baked.scale / self._baked.scale)
 
     def many_lights(self, count: int) -> ManyLights:
-        """The environment without its suns as `count` directional lights, in world axes, of arbitrary scale."""
+        """The environment without its suns as `count` directional lights, in world axes, in units of `scale`."""
         if count not in self._many_lights:
             self._many_lights[count] = many_lights(self._sky(), count)
         lights = self._many_lights[count]
@@ -101,7 +106,7 @@ class EnvironmentLight:
         if plan.ambient:
             return uniform_lights(count, self._ambient_radiance)
         lights = self.many_lights(count)
-        return replace(lights, irradiance=lights.irradiance * (self._baked.scale * self.environment.intensity))
+        return replace(lights, irradiance=lights.irradiance * self.scale)
 
     def scattered_sky(self, plan: Plan, fog: Medium, volumes: Medium) -> dict[str, object]:
         """The uniforms of shaders/raster/in_scattered.glsl: the environment as media scatter it; binds its maps."""
@@ -116,7 +121,7 @@ class EnvironmentLight:
             texture.repeat_x = True
         self._scattered[fog.phase, plan.ambient].use(UNIT_SKY_IN_FOG)
         self._scattered[volumes.phase, plan.ambient].use(UNIT_SKY_IN_VOLUMES)
-        scale = self._ambient_radiance if plan.ambient else self.environment.intensity * self._baked.scale
+        scale = self._ambient_radiance if plan.ambient else self.scale
         return {"u_sky_in_fog": UNIT_SKY_IN_FOG, "u_sky_in_volumes": UNIT_SKY_IN_VOLUMES,
                 "u_sky_intensity": tuple(np.broadcast_to(scale, 3).tolist())}
 
@@ -134,7 +139,7 @@ class EnvironmentLight:
             values["u_ambient"] = tuple(ambient.tolist())
         if plan.environment:
             angle = self.environment.rotation
-            values["u_environment_intensity"] = self.environment.intensity * self._baked.scale
+            values["u_environment_intensity"] = self.scale
             values["u_environment_rotation"] = (math.cos(angle), math.sin(angle))
             if self._irradiance is None:
                 widest = self._baked.levels[-1:]

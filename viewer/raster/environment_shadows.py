@@ -25,7 +25,7 @@ from .environment import EnvironmentLight
 from .gbuffer import UNIT_NORMALS
 from .media_light import MediaLight
 from .shadows import Atlas, Casters, directional_tiles
-from .sky_shadows import mean_reflectance, reflected
+from .sky_shadows import MeanSurface, mean_surface, reflected
 from .sky_tints import TintAtlas
 
 BATCH = 64
@@ -51,7 +51,11 @@ class EnvironmentShadows:
         self._lights = environment.many_lights(plan.environment_shadows)
         self._count = len(self._lights.directions)
         tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)
-        counts = [min(BATCH, self._count - first) for first in range(0, self._count, BATCH)]
+        number = math.ceil(self._count / BATCH)
+        # Estimates are made for each batch by itself, so all of its sky must be in it.
+        self._parts = [slice(k, None, number) if self._estimates else slice(k * BATCH, (k + 1) * BATCH)
+                       for k in range(number)]
+        counts = [len(self._lights.directions[part]) for part in self._parts]
         self._atlases: list[Atlas] = []
         self._tints: list[TintAtlas] = []
         if before is not None:
@@ -63,38 +67,42 @@ class EnvironmentShadows:
             self._atlases = [Atlas(gl, count, tile_size) for count in counts]
         self._tints = [TintAtlas(gl, atlas) for atlas in self._atlases if plan.tints_sky]
         self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
-        self._reflectance = np.zeros(3)
+        self._surface = MeanSurface(np.zeros(3), np.zeros(3), 0.0)
+        self._emission = np.zeros(3)
         self._scene: Scene | None = None
         self._fog: MediaLight | None = None
+        self._scale = 0.0
 
     def show(self, scene: Scene, plan: Plan, fog: MediaLight | None,
              mean: Callable[[Texture, str], np.ndarray]) -> None:
         """Draw the maps, unless they show this scene already. `fog` is the light in it, None without fog, and `mean`
         gives that of a material's map."""
         is_shown = self._scene is not None and scene.has_surfaces_of(self._scene)
-        if is_shown and fog is self._fog:
+        scale = 1.0 if fog is not None else self._environment.scale
+        if is_shown and fog is self._fog and scale == self._scale:
             return
         if not is_shown:
             self._draw(scene, plan)
-            self._reflectance = mean_reflectance(scene, plan.draws, mean) if self._estimates else np.zeros(3)
+            if self._estimates:
+                self._surface = mean_surface(scene, plan.draws, mean)
         lights = self._lights if fog is None else fog.arriving(self._environment.sky_lights(plan, self._count))
         unit = max(lights.irradiance.max(), 1e-300)
-        instead = reflected(lights, self._reflectance)[:, :3] if self._estimates else np.zeros((self._count, 3))
-        for k, (_, _, rows) in enumerate(self._batches):
-            part = slice(k * BATCH, (k + 1) * BATCH)
-            rows[:, 4, :3], rows[:, 5, :3] = lights.irradiance[part] / unit, instead[part] / unit
-        self._scene, self._fog = scene, fog
+        instead = reflected(lights, self._surface.reflectance)[:, :3] if self._estimates else np.zeros((self._count, 3))
+        for part, (_, _, rows) in zip(self._parts, self._batches, strict=True):
+            rows[:, 4, :3], rows[:, 4, 3] = lights.irradiance[part] / unit, lights.solid_angles[part]
+            rows[:, 5, :3] = instead[part] / unit
+        self._emission = np.minimum(self._surface.emission / max(unit * scale, 1e-300), 1e9)
+        self._scene, self._fog, self._scale = scene, fog, scale
 
     def _draw(self, scene: Scene, plan: Plan) -> None:
         lights = self._lights
         self._batches = []
-        for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):
-            part = slice(first, first + BATCH)
+        for k, (part, atlas) in enumerate(zip(self._parts, self._atlases, strict=True)):
             tiles = directional_tiles(-lights.directions[part], scene, atlas.tile_size)
             atlas.draw(scene, tiles, [d for d in plan.draws if d.hides_sky], self._casters)
             if self._tints:
-                self._tints[first // BATCH].draw(scene, tiles, plan, self._casters)
-            matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
+                self._tints[k].draw(scene, tiles, plan, self._casters)
+            matrices = np.stack([_to_atlas(atlas, number) @ tile.matrix for number, tile in enumerate(tiles)])
             rows = np.zeros((len(tiles), 6, 4))
             rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]
             self._batches.append((atlas, matrices, rows))
@@ -125,6 +133,10 @@ class EnvironmentShadows:
             if self._tints:
                 self._tints[k].texture.use(UNIT_TINTS)
                 set_uniform(program, "u_tints", UNIT_TINTS)
+            if self._estimates:
+                for name, value in (("u_reflectance", self._surface.reflectance), ("u_emission", self._emission)):
+                    set_uniform(program, name, tuple(value))
+                set_uniform(program, "u_body", self._surface.width)
             set_uniform(program, "u_least_alpha", min(2.0 / self._count**0.5, 1.0))
             block = self._gl.buffer(rows.astype(np.float32))
             block.bind_to_uniform_block(BINDING)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -35,25 +37,42 @@ class SkyShadows:
         self.uniforms: dict[str, object] = {
             "u_sky_atlas": UNIT_SKY_SHADOWS, "u_sky_shadows": np.float32(rows).tobytes(),
             "u_sky_tiles": self._atlas.tiles,
-            "u_sky_reflected": np.float32(reflected(sky, mean_reflectance(scene, plan.draws, mean))).tobytes()}
+            "u_sky_reflected": np.float32(reflected(sky, mean_surface(scene, plan.draws, mean).reflectance)).tobytes()}
 
     def release(self) -> None:
         self._atlas.release()
 
 
-def mean_reflectance(scene: Scene, draws: Sequence[Draw], mean: Callable[[Texture, str], np.ndarray]) -> np.ndarray:
-    """(3,) of the instances of triangles, weighted by the surfaces of their boxes and by how much light they hide.
-    `mean` gives that of a map."""
-    sizes = np.ptp(scene.corners, axis=1)
+@dataclass(frozen=True, eq=False)
+class MeanSurface:
+    """Of the instances of triangles, weighted by the surfaces of their boxes and by how much light they hide."""
+
+    reflectance: np.ndarray
+    """(3,)."""
+    emission: np.ndarray
+    """Radiance, (3,)."""
+    width: float
+    """The radius of a disc as large as the mean side of the boxes, in scene units."""
+
+
+def mean_surface(scene: Scene, draws: Sequence[Draw], mean: Callable[[Texture, str], np.ndarray]) -> MeanSurface:
+    """`mean` gives that of a map."""
+    sizes = np.ptp(scene.corners, axis=1) / scene.radius
     areas = (sizes * np.roll(sizes, 1, axis=1)).sum(axis=1)
-    weights = np.array([(areas[list(draw.instances)].sum() if draw.instances else areas[draw.instance])
-                        * _hidden_share(draw.surface) for draw in draws])
-    colors = [np.array(draw.surface.base_color[:3], np.float64) for draw in draws]
-    for color, draw in zip(colors, draws, strict=True):
-        texture = draw.surface.base_color_texture
-        if texture is not None and "base_color" in draw.maps:
-            color *= mean(texture, "base_color")
-    return np.reshape(colors, (-1, 3)).T @ weights / max(weights.sum(), 1e-300)
+    parts = [areas[list(draw.instances)] if draw.instances else areas[[draw.instance]] for draw in draws]
+    shares = np.array([_hidden_share(draw.surface) for draw in draws])
+    weights = np.array([part.sum() for part in parts]) * shares
+    sides = np.array([(part**2).sum() / 3 for part in parts]) * shares
+    total = max(weights.sum(), 1e-300)
+    reflectance, emission = (np.reshape([_mean_color(draw, name, mean) for draw in draws], (-1, 3)).T @ weights / total
+                             for name in ("base_color", "emissive"))
+    return MeanSurface(reflectance, emission, math.sqrt(sides.sum() / total / math.pi))
+
+
+def _mean_color(draw: Draw, name: str, mean: Callable[[Texture, str], np.ndarray]) -> np.ndarray:
+    color = np.array(getattr(draw.surface, name)[:3], np.float64)
+    texture = getattr(draw.surface, f"{name}_texture")
+    return color * mean(texture, name) if texture is not None and name in draw.maps else color
 
 
 def _hidden_share(material: Material) -> float:
