@@ -22,6 +22,19 @@ vec3 geometric_normal() {
 }
 
 #if (NORMAL_MAP || CLEARCOAT_NORMAL_MAP) && HAS_TANGENT
+#include "trace/shading_normal.glsl"
+
+// The normal n of a map as paths bend it: the mirror direction of v is above the triangle.
+vec3 bent_over_triangle(vec3 n, vec3 n_geometric, vec3 v) {
+#if DEFERRED
+    vec3 face = deferred_face;
+#else
+    vec3 face = cross(dFdx(v_position), dFdy(v_position));
+#endif
+    face *= sign(dot(face, v)) / max(length(face), 1e-30);
+    return bend_normal(n, face == vec3(0.0) ? n_geometric : face, v);
+}
+
 // Tangent space as in MikkTSpace: bitangent = w cross(n, t), without orthogonalisation of the interpolated vectors.
 mat3 map_axes() {
     vec3 t = mesh_tangent();

@@ -107,7 +107,7 @@ void main() {
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
 #endif
 #if VISIBILITY
-    vec4 visible = visibility(v_position, p.n_geometric, p.n);
+    vec4 visible = visibility(v_position, p.n_geometric, shading_normal(p.n_geometric));
 #elif SKY_SHADOWS
     vec4 visible = visible_past_meshes(p, mean_alpha(s));
 #else

@@ -50,6 +50,9 @@ Point shaded_point(MaterialInputs m) {
 #if SUBSURFACE == 2
     p.v = p.n;
 #endif
+#if NORMAL_MAP && HAS_TANGENT && SUBSURFACE != 2
+    p.n = bent_over_triangle(p.n, p.n_geometric, p.v);
+#endif
     p.NoV = clamp(dot(p.n, p.v), 1e-4, 1.0);
 #if ANISOTROPIC
     p.frame = anisotropy_frame(m, p.n);

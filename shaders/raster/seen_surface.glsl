@@ -23,6 +23,9 @@ SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Poin
 #endif
 #if CLEARCOAT
     vec3 n_coat = coat_normal(p.n_geometric);
+#if CLEARCOAT_NORMAL_MAP && HAS_TANGENT
+    n_coat = bent_over_triangle(n_coat, p.n_geometric, p.v);
+#endif
     view.coat = make_coat(s.coat, coat_alpha(s, n_coat), n_coat, clamp(dot(n_coat, p.v), 1e-4, 1.0), u_dfg);
 #endif
     return view;

@@ -10,6 +10,7 @@
 #define D_DY(value) (dFdy(value) * deferred_alike.y)
 bool deferred_front;
 float deferred_footprint; // length of a pixel on the surface, along x and along y together
+vec3 deferred_face; // perpendicular to the triangle
 vec2 deferred_alike; // 1 where the neighbour along x, along y of the quad shows the same surface, else 0
 #else
 #define VARYING in

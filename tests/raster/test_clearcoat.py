@@ -29,6 +29,22 @@ def test_a_coat_over_black_is_a_black_dielectric(radiance, roughness):
     assert expected[..., :3].max() > 0.05
 
 
+@pytest.mark.parametrize("layer, antialias", [("normal", "deferred-4"), ("clearcoat_normal", "none")])
+def test_what_steep_maps_reflect_grazes_the_surface(radiance, layer, antialias):
+    """Slopes of 60 and 75 degrees look alike: the mirror direction would be below the plate, and is raised to it."""
+    camera = orthographic(0.0, 0.0, height=1.0)
+    shown = []
+    for slope in np.radians([60, 75]):
+        normal = np.array([np.sin(slope), 0, np.cos(slope)])
+        texel = Texture(image_of(np.full((4, 4, 3), np.rint(127.5 + 127.5 * normal)).astype(np.uint8)))
+        steep = Material(clearcoat=float(layer != "normal"), clearcoat_roughness=0.1, perceptual_roughness=0.1,
+                         specular=float(layer == "normal"), **{f"{layer}_texture": texel}, **BLACK)
+        shown.append(radiance(scene(plate(), materials=[steep], environment=lopsided()), camera, (8, 8),
+                              background="none", antialias=antialias)[..., :3])
+    np.testing.assert_allclose(shown[0], shown[1], rtol=5e-3)
+    assert shown[0].min() > 0.01 and shown[0].max() < 0.2
+
+
 def test_a_coat_does_not_follow_the_bumps_below(radiance):
     flat = Material(clearcoat=1.0, clearcoat_roughness=0.2, specular=0.0, **BLACK)
     bumpy = replace(flat, normal_texture=BUMPS)
