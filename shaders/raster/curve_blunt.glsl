@@ -4,7 +4,7 @@
 // fragments that write their depth are all shaded. The other program leaves them out (ROUND = 1).
 const float LEAST_ROUND = 3.0; // pixels that such a segment is wide
 
-// As `blunt_radius` in viewer/raster/curves.py. The sines are those between the segment and the strip's ends.
+// As `blunt_radius` in viewer/raster/curve_buffers.py. The sines are those between the segment and the strip's ends.
 bool is_blunt(float size, vec2 radii, vec2 sines) {
     return dot(radii, sines) >= 0.8 * size || max(sines.x, sines.y) > 0.4 || abs(radii.x - radii.y) > 0.15 * size;
 }

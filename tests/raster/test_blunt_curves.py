@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from shapes import plate, scene
 
-from viewer.raster.curves import blunt_radius
+from viewer.raster.curve_buffers import blunt_radius
 from viewer.scene.camera import Camera
 from viewer.scene.curve_segments import segments
 from viewer.scene.curves import Curves

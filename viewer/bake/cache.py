@@ -62,12 +62,6 @@ def load(name: str) -> dict[str, np.ndarray] | None:
         return None
 
 
-def has(name: str) -> bool:
-    """Whether there is an entry `name`; it is not checked for damage."""
-    path = _path(name)
-    return path is not None and path.is_file()
-
-
 def store(name: str, arrays: dict[str, np.ndarray]) -> None:
     """Store `arrays` under `name`. If that fails, nothing happens."""
     path = _path(name)

@@ -65,11 +65,6 @@ def bake_environment(
     return _from_arrays(arrays)
 
 
-def is_baked(environment: Environment, ndf: str = "ggx") -> bool:
-    """Whether the cache has the whole bake. If the environment has no digest this is False; pixels are not hashed."""
-    return bool(environment.digest) and disk.has(disk.key("environment", environment.digest, ndf))
-
-
 def _bake(environment: Environment, ndf: str, with_levels: bool) -> dict[str, np.ndarray]:
     radiance = environment.radiance
     arrays = {"background": background_map(radiance)}

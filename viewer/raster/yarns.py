@@ -17,6 +17,7 @@ from ..scene.fibre import sigma_a_of_color
 from ..scene.yarn.fibres import axis_of, fibre_angles, fibre_numbers, ply_angle
 from ..scene.yarn.frames import Axis
 from ..scene.yarn.kind import YarnKind
+from .curve_buffers import space_of
 from .curve_texture import curve_texture
 
 TUBES, PLIES, FIBRES = range(3)
@@ -39,7 +40,7 @@ class Run:
 class YarnBuffers:
     """The axes of one set of yarns on the GPU: 64 bytes a point, and 16 more where colours count.
 
-    They are stored about their middle in a unit of about their size, as `CurveBuffers` are.
+    They are stored in `space_of` the curves, as `CurveBuffers` are.
     """
 
     radius = blunt_radius = 0.0
@@ -50,9 +51,7 @@ class YarnBuffers:
         count."""
         self.kind, self._depths = kind, optical_depths(kind)
         axis = axis_of(curves, kind, kind.plies * kind.fibres)  # refused where mode path refuses it
-        self.center = curves.corners.mean(axis=0)
-        size = float(np.ptp(curves.corners, axis=0).max())
-        self.unit = 2.0 ** round(math.log2(size)) if size > 0 else 1.0
+        self.center, self.unit = space_of(curves)
         order, is_last = _rows(axis)
         self.count = len(order)
         rows = np.zeros((self.count, 4, 4), np.float32)

@@ -59,12 +59,6 @@ class Nodes:
             world[nodes] = world[self.parents[nodes]] @ local[nodes]
         return world
 
-    def is_below(self, node: int, other: int) -> bool:
-        """Whether `node` is `other` or below it."""
-        while node >= 0 and node != other:
-            node = int(self.parents[node])
-        return node == other
-
     def hidden(self, visible: np.ndarray) -> np.ndarray:
         """The nodes, (N,) bool, that are not visible or are below one that is not."""
         hidden = ~visible
