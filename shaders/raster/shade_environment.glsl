@@ -14,41 +14,9 @@
 #if TRACED_REFRACTION
 #include "raster/traced_refraction.glsl"
 #endif
-#if MEDIA
-#include "raster/lit_media.glsl"
-#endif
-#include "raster/specular_occlusion.glsl"
-#if INDIRECT
-#include "raster/indirect.glsl"
-#endif
-#if SUBSURFACE && INDIRECT
-in vec4 v_behind; // the mean of v_indirect on the other sides of the solid
-#endif
-
-#if MEDIA
-// The environment's light over a specular lobe about d and over the hemisphere about n, as it arrives through media,
-// with the light that they scatter. The mean direction of the cosine lobe is 2/3 n.
-void light_through_media(vec3 n, vec3 d, inout mat2x3 specular, inout vec3 mean_light) {
-    MediaLight mirrored = light_around(v_position, d), diffuse = light_around(v_position, n * (2.0 / 3.0));
-    for (int k = 0; k < 2; ++k) specular[k] = specular[k] * mirrored.sky + mirrored.scattered;
-    mean_light = mean_light * diffuse.sky + diffuse.scattered;
-}
-#endif
-
-#if SKY_SHADOWS
-#include "raster/past_meshes.glsl"
-
-// What other surfaces leave of the light around, as raster/visibility.glsl has it, from what fog knows of it. The cell
-// of the surface itself is full of it, so half a cell away is looked up.
-vec4 visible_past_meshes(Point p, float alpha) {
-    vec3 mean = p.n * (2.0 / 3.0); // of the cosine lobe
-    vec3 place = v_position + 0.5 / (u_scene_grid.w * float(textureSize(u_media_light, 0).x)) * p.n_geometric;
-    float left;
-    vec4 hidden = hidden_by_all(place, left);
-    float seen = 1.0 - clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0);
-    float visible = min(seen / max(light_around(place, mean).sky, 1e-6), 1.0);
-    return vec4(vec3(visible), specular_occlusion(p.NoV, visible, alpha));
-}
+#include "raster/arriving_light.glsl"
+#if SCATTERS_INSIDE
+#include "raster/light_all_around.glsl"
 #endif
 
 #if HAS_ENVIRONMENT && REFLECTS
@@ -80,22 +48,6 @@ mat2x3 reflected_light(Point p, vec3 n, float NoV, float perceptual_roughness, i
 #endif
 #endif
 
-// What of the light other surfaces hide, and what they add to it. `light` is that of the parts of a lobe, `around` is
-// irradiance / pi.
-void meet_other_surfaces(float NoV, float alpha, float occlusion, vec4 visible, inout mat2x3 light, inout vec3 around) {
-#if OCCLUSION_MAP
-    around *= occlusion;
-    light *= specular_occlusion(NoV, occlusion, alpha);
-#endif
-#if VISIBILITY || SKY_SHADOWS
-    around *= visible.rgb;
-    light *= visible.a;
-#endif
-#if INDIRECT
-    add_indirect(NoV, alpha, light, around);
-#endif
-}
-
 #if CLEARCOAT
 // The coat looks along its own lobe. Rays are traced for what lies below it only.
 vec3 shade_coat(Point p, Coat c, float occlusion, vec4 visible) {
@@ -110,31 +62,6 @@ vec3 shade_coat(Point p, Coat c, float occlusion, vec4 visible) {
 #endif
     meet_other_surfaces(c.NoV, c.alpha, occlusion, visible, light, around);
     return coat_environment(c, light, around);
-}
-#endif
-
-#if SCATTERS_INSIDE
-#if HAS_ENVIRONMENT
-uniform vec3 u_environment_mean; // radiance
-#endif
-
-// The mean light on all sides of a solid: that of the environment, half of which meets the surfaces on the point's side,
-// and half those behind.
-vec3 light_all_around(Point p, float occlusion, vec4 visible) {
-    vec3 around = vec3(0.0);
-#if HAS_ENVIRONMENT
-    around = u_environment_mean;
-#endif
-    mat2x3 specular = mat2x3(0.0);
-#if MEDIA
-    light_through_media(vec3(0.0), vec3(0.0), specular, around);
-#endif
-    vec3 behind = around;
-    meet_other_surfaces(p.NoV, 1.0, occlusion, visible, specular, around);
-#if INDIRECT
-    behind = (1.0 - clamp(v_behind.a, 0.0, 1.0)) * behind + max(v_behind.rgb, 0.0);
-#endif
-    return 0.5 * (around + behind);
 }
 #endif
 
@@ -185,7 +112,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if DIFFUSE_TRANSMISSION && HAS_ENVIRONMENT
     vec3 through = environment_irradiance_over_pi(-p.n);
 #if SUBSURFACE && INDIRECT
-    through = (1.0 - clamp(v_behind.a, 0.0, 1.0)) * through + max(v_behind.rgb, 0.0);
+    through = meet_surfaces_behind(through);
 #endif
 #if IS_SOLID
     through = mix(through, environment_irradiance_over_pi(p.n), p.returned);

@@ -14,6 +14,7 @@ uniform vec3 u_interior_reduced;       // 1 - albedo g
 uniform float u_interior_entered;      // how deep light enters, as a multiple of what comes from everywhere
 uniform float u_interior_reflected;    // F, the share of the light inside that the boundary reflects back
 uniform float u_interior_kept;         // what a rough boundary does not lose, on the way in and inside
+
 Interior interior_at(MaterialInputs m) {
     vec3 through = u_absorption * m.thickness;
     return interior_of(u_interior_attenuation, u_interior_extrapolation, u_interior_entered, v_interior.x,

@@ -45,8 +45,6 @@ vec3 own_share() {
 #endif
 
 #if HAS_ENVIRONMENT || HAIR_LIGHT
-const int STEPS = 8; // directions about the fibre
-
 // From d, whose sine to the fibre is given, with the environment at the level `lod`. The yarn's own fibres may hide
 // more than the grid knows of. Light that goes on almost straight through fibres is not hidden: the light between them,
 // which comes from where they hide others, was worked out without it.
@@ -73,9 +71,9 @@ vec3 arriving_in_yarn(LightAround a, Inside at, vec3 d, float sine, float lod) {
 // others, and what these scatter where they hide it
 vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
     LightAround a = light_between_fibres(position);
-    float step = 2.0 * PI / float(STEPS), lod = 0.0;
+    float step = 2.0 * PI / float(STEPS_ABOUT), lod = 0.0;
     vec3 radiance = vec3(0.0);
-    for (int k = 0; k < STEPS / 2; ++k) {
+    for (int k = 0; k < STEPS_ABOUT / 2; ++k) {
         float phi = (float(k) + 0.5) * step;
         mat3x4 lobes = far_lobes(s, phi) * step; // of the directions on both sides
         vec3 along = -s.wo.x * frame[0] + cos(phi) * s.wo.z * frame[2], aside = sin(phi) * s.wo.z * frame[1];
