@@ -77,7 +77,7 @@ def test_threads_find_the_same_hits(context: Context, monkeypatch: pytest.Monkey
         fill(wavefront, origin=np.c_[origin, rng.integers(0, 3, 256)], direction=direction, shadow_origin=origin,
              shadow_vector=vector * rng.integers(0, 2, (256, 1)))
     alone = [embree.trace(embree.fetch(wavefront)) for wavefront in wavefronts]
-    monkeypatch.setattr(module, "_TASK", 7)
+    monkeypatch.setattr(module, "TASK", 7)
     for _ in range(3):
         finish = [embree.begin(embree.fetch(wavefront)) for wavefront in wavefronts]
         for answer, expected in zip([finish[0](), finish[1]()], alone, strict=True):
@@ -90,14 +90,14 @@ def test_threads_find_the_same_hits(context: Context, monkeypatch: pytest.Monkey
 
 def test_threads_find_the_same_triangles(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
     """As for rays that a shader judges afterwards, here with a reach of their own."""
-    from viewer.trace.rays import embree as module
+    from viewer.trace.rays import embree_triangles as module
 
     triangles = make_intersector(context, Geometry([sphere(8, 12)]), kind="embree")._triangles
     rng = np.random.default_rng(8)
     origin, direction = rng.normal(size=(2, 100, 3)).astype(np.float32)
     reach = rng.uniform(0, 2, 100).astype(np.float32)
     alone = triangles.intersect(origin, direction, reach.copy())
-    monkeypatch.setattr(module, "_TASK", 7)
+    monkeypatch.setattr(module, "TASK", 7)
     for name, values in triangles.intersect(origin, direction, reach.copy()).items():
         np.testing.assert_array_equal(values, alone[name])
     assert 10 < np.count_nonzero(alone["primID"] >= 0) < 90
@@ -157,7 +157,7 @@ def test_a_tree_is_built_anew_only_for_triangles_that_moved(context: Context, mo
     from embreex.mesh_construction import TriangleMesh
 
     built = []
-    monkeypatch.setattr("viewer.trace.rays.embree.TriangleMesh", lambda scene, *arrays: built.append(
+    monkeypatch.setattr("viewer.trace.rays.embree_triangles.TriangleMesh", lambda scene, *arrays: built.append(
         TriangleMesh(scene, *arrays)))
     embree = make_intersector(context, Geometry([SQUARE], [Instance(0, at(0.0)), Instance(0, at(0.5))]), kind="embree")
     steps = [([SQUARE], [Instance(0, at(0.0)), Instance(0, at(0.5))], 1, 1),

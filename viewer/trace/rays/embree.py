@@ -1,9 +1,4 @@
-"""Traces rays with Embree, where OpenGL runs in software anyway.
-
-embreex has no instances. So the triangles of every instance are transformed to tracer space in float64 and rounded to
-float32, and Embree copies them once more (the limit is `viewer.trace.rays.intersect.EMBREE_TRIANGLES`). We use its
-robust mode, which costs a fifth of the speed: without it, one in twenty rays that are aimed exactly at an edge misses.
-"""
+"""Traces rays with Embree, where OpenGL runs in software anyway."""
 
 from __future__ import annotations
 
@@ -13,19 +8,16 @@ from typing import TYPE_CHECKING
 
 import embreex
 import numpy as np
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, KIND_SHIFT, MISS, NO_KIND
-from ..texels import put_texels
 from .embree_curves import EmbreeCurves
-from .flatten import flatten
+from .embree_triangles import TASK, EmbreeTriangles
 from .intersect import CLASS_OF_IDLE, SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 from .see_through import MAX_LAYERS, SeeThrough
 from .shadow_media import ShadowMedia, instances_of, is_boundary, offset_origin
-from .threads import ray_threads
+from .threads import in_other_threads
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
@@ -33,8 +25,6 @@ if TYPE_CHECKING:
 _STEP = 1e-6
 """Step behind a see-through triangle, in tracer units. Hitting the same triangle again does no harm, since the decision
 is the same."""
-_TASK = 8192
-"""Paths whose rays a thread traces before it takes others: some milliseconds."""
 
 
 @dataclass
@@ -67,7 +57,7 @@ class EmbreeIntersector:
 
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
-        self._triangles = _Triangles(geometry)
+        self._triangles = EmbreeTriangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
         self._hand, self._open_back = _backs(geometry)
         self._is_pane = _panes(geometry)
@@ -101,15 +91,14 @@ class EmbreeIntersector:
     def begin(self, rays: Rays) -> Callable[[], Answer]:
         """Embree lets Python's other threads run. But OpenGL, which see-through surfaces need, belongs to this thread,
         which then waits for the rays, and curves have tasks of their own."""
-        if self._coverage is not None or self._curves is not None or rays.count <= _TASK:
+        if self._coverage is not None or self._curves is not None or rays.count <= TASK:
             answer = self._trace(rays.part(0, rays.count))
             self._spare.append(rays)
             return lambda: answer
-        tasks = [ray_threads().submit(self._trace, rays.part(first, first + _TASK))
-                 for first in range(0, rays.count, _TASK)]
+        parts = in_other_threads(self._trace, [rays.part(first, first + TASK) for first in range(0, rays.count, TASK)])
 
         def finish() -> Answer:
-            answers = [task.result() for task in tasks]
+            answers = parts()
             self._spare.append(rays)
             return Answer.joined(answers)
 
@@ -166,7 +155,7 @@ class EmbreeIntersector:
         """embreex can neither refit a tree nor exchange a mesh: if anything moved, Embree builds a new one of all
         triangles. A second tree for what moves costs every ray more than it saves (benchmarks/results/trees.md)."""
         if not self._triangles.are_those_of(geometry):
-            self._triangles = _Triangles(geometry)
+            self._triangles = EmbreeTriangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
         self._is_pane = _panes(geometry)
         self._hand, self._open_back = _backs(geometry)
@@ -281,58 +270,6 @@ def _backs(geometry: TraceGeometry) -> tuple[NDArray[np.int8], NDArray[np.bool_]
 def _panes(geometry: TraceGeometry) -> NDArray[np.bool_]:
     """For each instance whether shadow rays pass it, dimmed, (N,)."""
     return np.array([instance.is_pane for instance in geometry.instances], bool)
-
-
-class _Triangles:
-    """All instances as one Embree scene, and the instance and triangle of each of its triangles."""
-
-    def __init__(self, geometry: TraceGeometry) -> None:
-        self._geometry = geometry
-        vertices, triangles, pairs = flatten(geometry, list(enumerate(geometry.instances)))
-        self._pairs = pairs.view(np.uint64).ravel()  # one uint64 is faster to look up than two uint32
-        self._count = len(triangles)
-        if self._count:
-            self._scene = EmbreeScene(robust=True)
-            self._mesh = TriangleMesh(self._scene, vertices, triangles)
-            self.occluded(vertices[:1], vertices[:1])  # Embree builds its tree for the first rays
-
-    def are_those_of(self, geometry: TraceGeometry) -> bool:
-        """Whether no triangle of `geometry` has moved or is of another kind."""
-        ours = self._geometry
-        pairs = list(zip(ours.instances, geometry.instances, strict=False))
-        return ((len(ours.meshes), len(ours.instances)) == (len(geometry.meshes), len(geometry.instances))
-                and all(a is b for a, b in zip(ours.meshes, geometry.meshes, strict=True))
-                and all(a.mesh == b.mesh and a.kind is b.kind for a, b in pairs)
-                and np.array_equal([a.transform for a, _ in pairs], [b.transform for _, b in pairs]))
-
-    def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
-        """The nearest hits: `primID` (-1: none), `u`, `v` and `tfar`, (rays,) each, and `Ng`, (rays, 3), the normals on
-        their front. `tfar` overwrites `reach`."""
-        if not self._count or not len(origins):
-            nothing = np.zeros(len(origins), np.float32)
-            return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing + np.inf,
-                    "Ng": np.zeros((len(origins), 3), np.float32)}
-        parts = [slice(first, first + _TASK) for first in range(0, len(origins), _TASK)]
-        if len(parts) == 1:
-            return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
-        tasks = [ray_threads().submit(self._scene.run, origins[rows], directions[rows],
-                                      None if reach is None else reach[rows], query="INTERSECT", output=True)
-                 for rows in parts]
-        found = [task.result() for task in tasks]
-        return {name: np.concatenate([part[name] for part in found]) for name in ("primID", "u", "v", "tfar", "Ng")}
-
-    def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
-        """Whether the vectors, without their ends, are occluded."""
-        if not self._count or not len(origins):
-            return np.zeros(len(origins), bool)
-        return self._scene.run(origins, vectors, SHADOW_REACH, query="OCCLUDED") >= 0
-
-    def write_hits(self, found: dict[str, NDArray], hits: NDArray[np.uint32], texels: NDArray[np.intp]) -> None:
-        """Write to rows `texels` of `hits`, (paths, 4), what the hit texture has of what was found."""
-        rows = np.empty((len(texels), 4), np.uint32)
-        rows.view(np.uint64)[:, 0] = self._pairs.take(found["primID"], mode="wrap")  # -1 takes the last
-        rows[:, 2], rows[:, 3] = found["u"].view(np.uint32), found["v"].view(np.uint32)
-        put_texels(hits, texels, rows)
 
 
 def _rows(texels: NDArray[np.float32], rows: NDArray[np.intp]) -> NDArray[np.float32]:

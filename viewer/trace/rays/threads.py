@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
+from typing import TypeVar
 
 from ...base.cores import core_count
+
+T = TypeVar("T")
+Found = TypeVar("Found")
 
 
 @cache
@@ -17,17 +21,21 @@ def ray_threads() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(max(int(given), 1) if given.isdecimal() else core_count(), "rays")
 
 
-def in_threads(trace: Callable[[int], None], begins: Sequence[int]) -> None:
-    """Call `trace` for each of `begins`."""
-    if len(begins) < 2:
-        for begin in begins:
-            trace(begin)
-        return
-    tasks = [ray_threads().submit(trace, begin) for begin in begins]
-    try:
-        for task in tasks:
-            task.result()
-    finally:  # after Ctrl-C, too, whoever catches it may release the scene, and no thread may read it then
-        for task in tasks:
-            task.cancel()
-        wait(tasks)
+def in_other_threads(trace: Callable[[T], Found], parts: Iterable[T]) -> Callable[[], list[Found]]:
+    """Begin to call `trace` for each of `parts`. The result waits for what it finds, in their order."""
+    tasks = [ray_threads().submit(trace, part) for part in parts]
+
+    def finish() -> list[Found]:
+        try:
+            return [task.result() for task in tasks]
+        finally:  # after Ctrl-C, too, whoever catches it may release the scene, and no thread may read it then
+            for task in tasks:
+                task.cancel()
+            wait(tasks)
+
+    return finish
+
+
+def in_threads(trace: Callable[[T], Found], parts: Sequence[T]) -> list[Found]:
+    """What `trace` finds for each of `parts`; without another thread if there is but one."""
+    return [trace(part) for part in parts] if len(parts) < 2 else in_other_threads(trace, parts)()
