@@ -165,7 +165,7 @@ def test_curves_frame_a_scene_with_their_radii():
     up = np.array([0.0, 0, 2])
     np.testing.assert_allclose(shown.farthest(up) + shown.center, [4, 6, 8.4], rtol=1e-6)
     near, far = Frame(shown, Camera.look_at((2.5, 3, 100), (2.5, 3, 0)), (8, 8), is_depth_reversed=True).depth_range
-    beyond = 0.42 * 0.4  # the round end of the thickest strand reaches so far beyond its box (shaders/raster/curve.vert)
+    beyond = 0.42 * 0.4  # the round ends of the thickest strand reach so far beyond its box (raster/curve.vert)
     assert near * shown.radius == pytest.approx(91.6 - beyond, rel=2e-4)
     assert far * shown.radius == pytest.approx(100.2 + beyond, rel=2e-4)
     thick = shown.with_curve_radius(1.0)
