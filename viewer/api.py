@@ -222,9 +222,10 @@ def show(
     """
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
-    from .interact.state import window_settings
+    from .interact.window_settings import window_settings
 
-    chosen, size = window_settings(Settings.of(**{"denoise": "fast", **settings}), settings), _checked(size)
+    chosen = window_settings(Settings.of(**{"denoise": "fast", **settings}), settings.__contains__)
+    size = _checked(size)
     point = Quality.of(quality, settings, chosen, scene, size)
     from .web.cell import in_notebook, view_in_cell
 

@@ -11,7 +11,7 @@ import pytest
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.image.image import Image
-from viewer.interact.state import scene_facts
+from viewer.interact.scene_facts import scene_facts
 from viewer.quality import POINTS, QUALITIES
 from viewer.scene.color import LUMINANCE, srgb_to_linear
 from viewer.scene.scene import Variant

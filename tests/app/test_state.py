@@ -10,7 +10,7 @@ import pytest
 from viewer.interact.actions import Actions
 from viewer.interact.keys import KEYS
 from viewer.interact.orbit import OrbitController
-from viewer.interact.state import CLEAR_GREY, FURNACE, VIEWS, ViewState, free_path, scene_facts, window_settings
+from viewer.interact.state import CLEAR_GREY, FURNACE, VIEWS, ViewState, free_path
 from viewer.quality import POINTS
 from viewer.scene.animation import Animation, Target, Track
 from viewer.scene.environment import Environment
@@ -32,18 +32,6 @@ def triangle(**kwargs) -> Scene:
 @pytest.fixture
 def state() -> ViewState:
     return ViewState(triangle(environment=Environment("grey", GREY, rotation=0.5, intensity=2.0)), Settings())
-
-
-@pytest.mark.parametrize("wish, given, begins", [
-    ({}, (), {}),
-    ({"time_budget": 2.0}, (), {"mode": "path", "denoise": "raster"}),
-    ({"error": 0.1}, ("mode",), {"denoise": "raster"}),
-    ({"time_budget": 2.0}, ("mode", "denoise"), {}),
-    ({"time_budget": 2.0, "show": "normal"}, (), {"denoise": "raster"}),
-])
-def test_who_asks_for_a_time_or_an_error_gets_both_methods(wish, given, begins):
-    settings = Settings(denoise="fast", **wish)
-    assert window_settings(settings, given) == replace(settings, **begins)
 
 
 def test_the_noise_is_shown_and_hidden_as_before(state):
@@ -209,20 +197,6 @@ def test_a_free_path_is_never_one_that_exists(tmp_path):
     assert free_path(tmp_path, "helmet").name == "helmet-2.png"
     assert free_path(tmp_path, "a/../b:c?").parent == tmp_path
     assert free_path(tmp_path, "..").name == "picture-1.png"
-
-
-def test_facts_are_words_and_numbers(state):
-    """Whatever a reader says of a file: names, of which some are empty, counts, and images."""
-    images = [{"name": "/models/chair/wood", "format": "jpeg", "width": 640, "height": 480, "bits": 8},
-              {"name": "", "format": "png", "width": 2, "height": 1, "bits": 16}]
-    grids = [{"name": "density", "type": "FloatGrid", "active_voxels": 1234},
-             {"name": "", "type": "BoolGrid", "active_voxels": None}]
-    facts = {"format": "GLB 2.0", "scenes": ["main", ""], "images": images, "textures": 0, "grids": grids}
-    shown = dict(scene_facts(replace(state.scene, facts=facts)))
-    assert shown["Triangles"] == "1" and shown["Format"] == "GLB 2.0" and shown["Scenes"] == "main, (unnamed)"
-    assert shown["Images"] == "wood, 640 × 480, jpeg\n(unnamed), 2 × 1, png"
-    assert shown["Grids"] == "density, FloatGrid, 1,234 voxels\n(unnamed), BoolGrid" and shown["Volumes"] == "0"
-    assert "Textures" not in shown and not any(set(text) & set("{}[]'") for text in shown.values())
 
 
 def shown(state: ViewState) -> dict[str, object]:

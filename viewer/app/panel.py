@@ -10,7 +10,8 @@ import numpy as np
 from imgui_bundle import imgui
 
 from ..interact.playback import SPEEDS
-from ..interact.state import ViewState, scene_facts
+from ..interact.scene_facts import scene_facts
+from ..interact.state import ViewState
 from ..plan.legend import VIEW_NAMES
 from ..quality import QUALITIES
 from ..scene.environment_files import load_environment

@@ -103,13 +103,13 @@ def serve(model: str, **options: Any) -> None:
     """
     check_camera_options(options)
     from ..gpu.context import open_context
-    from ..interact.state import window_settings
+    from ..interact.window_settings import window_settings
     from ..jobs.assemble import make_camera, make_environment, make_playback, make_quality, make_scene, make_settings
     from ..web.serve_job import check_server, serve_model
     from ..web.server import listen
     from ..web.view import RemoteView
 
-    settings = window_settings(make_settings(options), {name for name in ("mode", "denoise") if is_given(name)})
+    settings = window_settings(make_settings(options), is_given)
     check_server()
     with listen(options["host"], options["port"]) as listener:  # first, since the model may take long
         scene = make_scene(model, make_environment(options), options)

@@ -53,7 +53,7 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     check_camera_options(options)
     from ..app import open_window
     from ..interact.model_files import ModelFiles
-    from ..interact.state import window_settings
+    from ..interact.window_settings import window_settings
     from ..jobs.assemble import (
         load_model,
         make_camera,
@@ -66,7 +66,7 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     from ..jobs.inputs import find_models
     from ..scene.files import noting_files
 
-    settings = window_settings(make_settings(options), {name for name in ("mode", "denoise") if is_given(name)})
+    settings = window_settings(make_settings(options), is_given)
     start = time.perf_counter()
     folder = model if Path(model).is_dir() else None
     environment = make_environment(options)
