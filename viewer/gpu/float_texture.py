@@ -1,4 +1,4 @@
-"""Tables of floats as textures."""
+"""Tables of floats as textures, and textures as arrays of floats."""
 
 from __future__ import annotations
 
@@ -19,3 +19,9 @@ def float_texture(gl: moderngl.Context, pixels: np.ndarray, *levels: np.ndarray)
     texture.filter = (moderngl.LINEAR_MIPMAP_NEAREST if levels else moderngl.LINEAR, moderngl.LINEAR)
     texture.repeat_x = texture.repeat_y = False
     return texture
+
+
+def read_texels(texture: moderngl.Texture) -> np.ndarray:
+    """Those of a texture of four floats, (H, W, 4) float32, the lowest row first."""
+    width, height = texture.size
+    return np.frombuffer(texture.read(), np.float32).reshape(height, width, 4)

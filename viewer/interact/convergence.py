@@ -13,6 +13,7 @@ import moderngl
 import numpy as np
 
 from ..gpu.context import Context
+from ..gpu.float_texture import read_texels
 from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..scene.camera import Camera
@@ -192,8 +193,7 @@ class Convergence:
     def read_radiance(self) -> np.ndarray:
         """`picture`, (H, W, 4) float32, row 0 at the top."""
         assert self.picture is not None
-        width, height = self.picture.size
-        return np.frombuffer(self.picture.read(), np.float32).reshape(height, width, 4)[::-1]
+        return read_texels(self.picture)[::-1]
 
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the picture into `framebuffer`, with exposure and tone map."""

@@ -10,6 +10,7 @@ import moderngl
 import numpy as np
 
 from ...gpu.context import Context
+from ...gpu.float_texture import read_texels
 from ...gpu.programs import Programs
 from ...image.neighbours import LARGEST
 from .combine import combined
@@ -55,9 +56,9 @@ class Combining:
         for part in film.parts:
             part.develop()
             yield from self._wavelet.steps(part)
-            filtered.append(_read(self._wavelet.result)[..., :3])
+            filtered.append(read_texels(self._wavelet.result)[..., :3])
         whole, *parts = (_Part.of(each) for each in (film, *film.parts))
-        alpha = _read(film.radiance)[..., 3:]
+        alpha = read_texels(film.radiance)[..., 3:]
         denoised = self._thread.submit(_denoised, whole, parts, filtered, None if guide is None else guide[::-1])
         while not wait([denoised], _PAUSE_S).done:
             yield
@@ -93,10 +94,10 @@ class _Part:
 
     @classmethod
     def of(cls, film: NoisyFilm) -> _Part:
-        total = _read(film.sum)
+        total = read_texels(film.sum)
         count = np.maximum(total[..., 3:], 1)
-        return cls(total[..., :3] / count, _read(film.emission)[..., :3] / count, _read(film.albedo)[..., 3:] / count,
-                   total[..., 3:])
+        return cls(total[..., :3] / count, read_texels(film.emission)[..., :3] / count,
+                   read_texels(film.albedo)[..., 3:] / count, total[..., 3:])
 
 
 def _denoised(whole: _Part, parts: list[_Part], filtered: list[np.ndarray], guide: np.ndarray | None) -> np.ndarray:
@@ -116,8 +117,3 @@ def _denoised(whole: _Part, parts: list[_Part], filtered: list[np.ndarray], guid
     share = parts[0].count / np.maximum(whole.count, 1)
     picture = combined(samples, guides, share, whole.hits > 0)  # nothing is lost where nothing is hit
     return np.where(stays, whole.radiance, picture + whole.emission)
-
-
-def _read(texture: moderngl.Texture) -> np.ndarray:
-    width, height = texture.size
-    return np.frombuffer(texture.read(), np.float32).reshape(height, width, 4)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...errors import UsageError
 from ...gpu.context import Context
+from ...gpu.float_texture import read_texels
 from .denoiser import NoisyFilm
 
 
@@ -29,8 +30,8 @@ class OpenImageDenoise:
     def filter(self, film: NoisyFilm, guide: np.ndarray | None = None) -> moderngl.Texture:
         """As `Denoiser.filter`. There is no guide."""
         self._context.make_current()
-        emission = _read(film.emission)[..., :3] / np.maximum(_read(film.sum)[..., 3:], 1)
-        radiance, albedo, normal = (_read(texture) for texture in (film.radiance, film.albedo, film.normal))
+        emission = read_texels(film.emission)[..., :3] / np.maximum(read_texels(film.sum)[..., 3:], 1)
+        radiance, albedo, normal = (read_texels(texture) for texture in (film.radiance, film.albedo, film.normal))
         denoised = self.filter_arrays(radiance, albedo, normal, emission)
         if self._texture is None or self._texture.size != film.radiance.size:
             self.release()
@@ -59,8 +60,3 @@ class OpenImageDenoise:
         if self._texture is not None:
             self._texture.release()
             self._texture = None
-
-
-def _read(texture: moderngl.Texture) -> np.ndarray:
-    width, height = texture.size
-    return np.frombuffer(texture.read(), np.float32).reshape(height, width, 4)
