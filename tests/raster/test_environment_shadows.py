@@ -79,6 +79,8 @@ def test_a_slab_absorbs_what_it_does_on_its_way_straight_on(radiance, hand):
     mu = (np.arange(1000)[:, None] + 0.5) / 1000
     expected = (2 * mu * np.exp(np.log([0.8, 0.4, 0.1]) / mu)).mean(axis=0)
     assert np.abs(found - expected).max() < 0.006
+    ink = replace(model, materials=(WHITE, replace(body, attenuation_distance=1e-6)))  # beyond half floats
+    assert radiance(ink, below, (8, 8), environment_shadows="64")[..., :3].max() < 0.01
     wall = replace(body, thickness=0.0, base_color=(0.9, 0.5, 0.1, 1.0))
     pane = replace(model, meshes=(model.meshes[0], plate(1, half=20.0)), materials=(WHITE, wall),
                    instances=(model.instances[0], Instance(1, moved((0, 1, 0), (hand, 1, 1)) @ facing_floor())))

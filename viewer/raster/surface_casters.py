@@ -15,6 +15,10 @@ from .geometry import MeshBuffers
 from .surface_programs import SHADOW_VERTEX, TINT_MAPS, shadow_maps_of, shadow_program, tint_program
 from .surfaces import Surfaces
 
+_DEEPEST = 8192.0
+"""Optical depth across a solid. Half floats, which sum those of its faces, do not hold much more, and what is thicker
+than a thousandth of the solid is black then."""
+
 
 class SurfaceCasters:
     """The surfaces of the current scene, as what lies between them and lights."""
@@ -61,10 +65,13 @@ class SurfaceCasters:
         program, mesh = self._use(tint_program(draw), draw, TINT_MAPS)
         scene = self._surfaces.scene
         transform = scene.instances[draw.instance].transform
-        center = (scene.corners[draw.instance].mean(axis=0) - scene.center) / scene.radius
+        corners = scene.corners[draw.instance]
+        center = (corners.mean(axis=0) - scene.center) / scene.radius
+        across = max(float(np.linalg.norm(np.ptp(corners, axis=0))) / scene.radius, 1e-30)
+        absorption = np.minimum(draw.surface.extinction * scene.radius, _DEEPEST / across)
         set_uniform(program, "u_model_to_unit", matrix_uniform(to_unit @ transform @ mesh.to_mesh))
         set_uniform(program, "u_center", tuple(center))
-        set_uniform(program, "u_absorption", tuple(draw.surface.extinction * scene.radius))
+        set_uniform(program, "u_absorption", tuple(absorption))
 
         def draw_tint(matrix: np.ndarray, light: np.ndarray) -> None:
             from_model = matrix @ transform
