@@ -87,16 +87,16 @@ def test_the_density_of_texels_follows_transforms_and_sides():
     assert halvings(square(transform=away, double_sided=True), nearer, (64, 64)) == {IMAGE: 0}
 
 
-def test_one_near_triangle_may_be_a_hundredth_of_the_picture():
+def test_what_is_near_may_be_hardly_a_pixel():
     def scene(side: float) -> Scene:
-        """A square at level 1.5, and in front of it a small one with a few of its texels."""
-        part = Mesh("part", CORNERS * np.float32(side), 0, indices=INDICES, uvs=(UVS / 64,))
+        """A square at level 1.5, and before it a small one at level -0.5, which would lose 0.64 of its contrast."""
+        part = Mesh("part", CORNERS * np.float32(side), 0, indices=INDICES, uvs=(UVS * np.float32(side / 4),))
         whole = square()
         return replace(whole, meshes=(*whole.meshes, part), instances=(*whole.instances, Instance(1, np.eye(4))))
 
     eye = Camera.look_at((0, 0, 1), (0, 0, 0), fov_y=math.pi / 2)  # the square covers 360 x 360 pixels of the picture
-    assert halvings(scene(0.09), eye, (360, 360)) == {IMAGE: 1}
-    assert halvings(scene(0.11), eye, (360, 360)) == {IMAGE: 0}
+    assert halvings(scene(0.027), eye, (360, 360)) == {IMAGE: 1}
+    assert halvings(scene(0.029), eye, (360, 360)) == {IMAGE: 0}  # 10.4 x 10.4 pixels
 
 
 @pytest.mark.parametrize("encoding", ["srgb", "linear", "normal"])
