@@ -13,11 +13,11 @@ from ..scene.scene import Scene
 from ..scene.schema import MAPS, no_switches
 from ..settings import VALUES, Settings
 from .curves import CurvePlan, plan_curves
-from .explain import used_lines
 from .instances import instances_of, is_instanced, placed
 from .map_switches import ALPHA_MODES, map_switches
 from .model import SOLID, THIN_WALLED, Draw, Plan, Program
 from .sharing import attributes_of
+from .used import used_lines
 
 _MAPS = {"base-color": ("base_color", "specular_glossiness"), "normal": ("normal",),
          "roughness": ("metallic_roughness", "specular_glossiness"), "metalness": ("metallic_roughness",)}

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
-from ..plan.explain import omitted_anisotropy
+from ..plan.left_out import omitted_anisotropy
 from ..plan.model import Program
 from ..plan.warnings import DEEP_GLASS, NO_TRIANGLES
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
