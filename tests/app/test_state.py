@@ -165,6 +165,12 @@ def test_no_background_is_dark_on_screen_only(state):
     assert state.settings.background == "none"
 
 
+def test_where_there_is_no_environment_something_opaque_is_behind_the_model_on_screen(state):
+    assert state.on_screen().background == "env"
+    state.scene = state.scene.relit(environment=None, lights=())
+    assert state.on_screen().background == CLEAR_GREY and state.settings.background == "env"
+
+
 def test_the_quality_is_of_the_picture_at_rest_and_what_is_chosen_by_hand_wins(state):
     assert state.at_rest == state.settings
     state.choose_quality("high")

@@ -307,9 +307,10 @@ class ViewState:
 
     def on_screen(self) -> Settings:
         """The settings for display in a window, which has no alpha: a background of `none` becomes CLEAR_GREY, and so
-        does an environment, which is not behind a view of values."""
+        does an environment where there is none, or which is not behind a view of values."""
         background = self.settings.background
-        if background != "none" and not (background == "env" and self.settings.shows_values):
+        is_behind = self.scene.environment is not None and not self.settings.shows_values
+        if background != "none" and (background != "env" or is_behind):
             return self.settings
         return replace(self.settings, background=CLEAR_GREY)
 
