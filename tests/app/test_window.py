@@ -187,6 +187,14 @@ def test_screenshot_where_nothing_can_be_written(open_window, scene, tmp_path, m
     assert hands.window.state.is_error and hands.window.state.message
 
 
+def test_a_status_longer_than_the_picture_is_wide_is_wrapped(open_window, scene, monkeypatch):
+    hands = open_window(scene)
+    before = hands.screen()
+    monkeypatch.setattr(hands.window.picture, "status", lambda: "too few to mix with the real-time picture " * 3)
+    rows, columns = np.nonzero((hands.screen() != before).any(axis=-1))
+    assert rows.max() > 38 + 30 and columns.max() < SIZE[0] - 5  # below its first line, and not up to the right edge
+
+
 def test_dropped_files_are_opened_and_bad_ones_told(open_window, scene, tmp_path):
     hands = open_window(scene)
     window = hands.window

@@ -31,9 +31,11 @@ def draw_split(position: float, sides: Sequence[str], scale: float, width: float
     _label(draw, x + gap, y, right, _SHADOW, scale)
 
 
-def draw_status(text: str, scale: float) -> None:
-    """Draw one line at the top left, below the names of a split's modes."""
-    _label(imgui.get_background_draw_list(), 14 * scale, 38 * scale, text, _SHADOW, scale)
+def draw_status(text: str, scale: float, width: float) -> None:
+    """Draw a line at the top left, below the names of a split's modes; it is wrapped where the picture, `width` pixels
+    wide, is narrower."""
+    x = 14 * scale
+    _label(imgui.get_background_draw_list(), x, 38 * scale, text, _SHADOW, scale, wrap=max(width - 2 * x, 60.0))
 
 
 def draw_counts(scale: float) -> None:
@@ -109,8 +111,9 @@ def _table(title: str, lines: list[tuple[str, str]]) -> None:
         imgui.end_table()
 
 
-def _label(draw: imgui.ImDrawList, x: float, y: float, text: str, shade: int, scale: float) -> None:
-    size = imgui.calc_text_size(text)
+def _label(draw: imgui.ImDrawList, x: float, y: float, text: str, shade: int, scale: float, wrap: float = -1.0) -> None:
+    """Draw `text` over a dark rectangle, in lines of at most `wrap` pixels; in one if `wrap` is below 0."""
+    size = imgui.calc_text_size(text, wrap_width=wrap)
     pad = 5 * scale
     draw.add_rect_filled((x - pad, y - pad / 2), (x + size.x + pad, y + size.y + pad / 2), shade, 3 * scale)
-    draw.add_text((x, y), _WHITE, text)
+    draw.add_text(imgui.get_font(), imgui.get_font_size(), (x, y), _WHITE, text, wrap_width=max(wrap, 0.0))

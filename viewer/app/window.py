@@ -141,7 +141,7 @@ class ViewerWindow:
         if self.state.split is not None:
             draw_split(self.state.split, self.state.sides, scale, width)
         if status := self.picture.status():
-            draw_status(status, scale)
+            draw_status(status, scale, width)
         if self.state.settings.show == "overdraw":
             draw_counts(scale)
         if self.state.panel:
