@@ -39,7 +39,7 @@ import numpy as np
 
 import viewer
 from viewer.api import shared_renderer, shared_tracer
-from viewer.measure.report.ladder import climb
+from viewer.budget.climb import climb
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 

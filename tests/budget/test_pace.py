@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 from shapes import plate, scene
 
+from viewer.budget.climb import climb
 from viewer.budget.pace import ALIKE, GUESSED, LOOKUP, LOOKUPS, MAP, RESOLVE, SAMPLE, SURE, Pace, work
-from viewer.measure.report.ladder import climb
 from viewer.scene.environment_files import load_environment
 from viewer.scene.light import Light
 from viewer.settings import Settings

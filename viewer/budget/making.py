@@ -12,7 +12,6 @@ from ..estimate.measure import error_notes
 from ..estimate.paths import LEAST_GROUPS, PathGroups, path_settings
 from ..image.displayed import displayed
 from ..image.image import Image
-from ..measure.report.ladder import climb
 from ..raster.renderer import Renderer
 from ..raster.sampled_images import decode_ahead
 from ..scene.camera import Camera
@@ -21,6 +20,7 @@ from ..settings import MAX_SPP, Settings
 from ..trace.paths.run import Report
 from ..trace.tracer import Tracer
 from .choice import Choice
+from .climb import climb
 from .combine import Samples, Told, judged
 from .pace import SURE, Pace, maps
 
