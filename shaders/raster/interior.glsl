@@ -25,12 +25,12 @@ vec3 z_coth_less_1(vec3 z) {
 struct Interior {
     vec3 mean, odd, even;       // ratios of flux to fluence, times h
     float entered;              // c below
-    vec3 unscattered, straight; // e^-tau of the way through, and e^-tau' where what goes straight on counts as unscattered
+    vec3 unscattered, straight; // e^-tau of the way through; e^-tau' where what goes straight on is unscattered, too
 };
 
 // k and h are per and in the unit of the thickness; `through` is the optical depth of the way through the solid, and
-// `reduced` the part of it that turns light aside. `entered` is c = n^2 (1 - (1 - 1 / n^2)^(3/2)), by which light that a
-// boundary of index n lets in goes deeper than what comes from everywhere.
+// `reduced` the part of it that turns light aside. `entered` is c = n^2 (1 - (1 - 1 / n^2)^(3/2)), by which light that
+// a boundary of index n lets in goes deeper than what comes from everywhere.
 Interior interior_of(vec3 k, vec3 h, float entered, float thickness, vec3 roundness, vec3 through, vec3 reduced) {
     float d = max(thickness, LEAST_THICKNESS);
     vec3 slab = z_coth_less_1(0.5 * k * d), ball = z_coth_less_1(1.5 * k * d), z2 = 2.25 * k * k * d * d;

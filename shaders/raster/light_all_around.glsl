@@ -3,8 +3,8 @@
 uniform vec3 u_environment_mean; // radiance
 #endif
 
-// The mean light on all sides of a solid: that of the environment, half of which meets the surfaces on the point's side,
-// and half those behind.
+// The mean light on all sides of a solid: that of the environment, half of which meets the surfaces on the point's
+// side, and half those behind.
 vec3 light_all_around(Point p, float occlusion, vec4 visible) {
     vec3 around = vec3(0.0);
 #if HAS_ENVIRONMENT

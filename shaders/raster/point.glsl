@@ -4,8 +4,8 @@
 #include "raster/sees_lamps_through.glsl"
 #define SCATTERS_INSIDE (SUBSURFACE == 1 || SUBSURFACE == 2)
 #if SUBSURFACE
-// Thickness d, roundness: 0 a slab, 1 a ball; the way straight through the solid, and by how much of the tangential part
-// of a direction the normal of the other side turns. Lengths are in eye-relative units.
+// Thickness d, roundness: 0 a slab, 1 a ball; the way straight through the solid, and by how much of the tangential
+// part of a direction the normal of the other side turns. Lengths are in eye-relative units.
 in vec4 v_interior;
 #endif
 #if IS_ORTHOGRAPHIC

@@ -28,7 +28,8 @@ vec3 spread_light(vec3 position, vec3 n) {
     return joint_bilateral_fetch(u_subsurface, u_subsurface_positions, position, n, vec3(0.0), vec4(0.0)).rgb;
 }
 #else
-// Makes of the medium two cosine lobes of the surface, one on each side, and what light from all around has beyond them.
+// Makes of the medium two cosine lobes of the surface, one on each side, and what light from all around has beyond
+// them.
 void add_interior(Interior inside, MaterialInputs m, inout Surface s, inout Point p) {
     vec3 own, other, everywhere, own_diffuse, other_diffuse, everywhere_diffuse;
     leaving_light(inside, vec3(u_interior_reflected), own, other, everywhere);
