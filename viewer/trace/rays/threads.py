@@ -21,6 +21,9 @@ def ray_threads() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(max(int(given), 1) if given.isdecimal() else core_count(), "rays")
 
 
+os.register_at_fork(after_in_child=ray_threads.cache_clear)  # a fork has none of its parent's threads, and would wait
+
+
 def in_other_threads(trace: Callable[[T], Found], parts: Iterable[T]) -> Callable[[], list[Found]]:
     """Begin to call `trace` for each of `parts`. The result waits for what it finds, in their order."""
     tasks = [ray_threads().submit(trace, part) for part in parts]
