@@ -81,6 +81,16 @@ def test_what_a_map_leaves_out_is_not_seen_from_far_away(radiance, mode, cutoff)
     assert np.abs(picture[..., 3] - (64 / 255 if mode == "blend" else 1)).max() < 1e-3
 
 
+def test_what_a_map_leaves_out_is_not_seen_near_its_edges(radiance):
+    """The colours between the texels of a map that the picture enlarges, some of which hide black."""
+    pixels = np.zeros((4, 4, 4), np.uint8)
+    pixels[1:3, 1:3] = 255
+    cut = Material(base_color_texture=Texture(image_of(pixels)), unlit=True, alpha_mode="blend")
+    picture = radiance(scene(plate(), materials=[cut]), orthographic(height=2.0), (32, 32), background="none")
+    assert np.abs(picture[..., :3] - picture[..., 3:]).max() < 1e-3
+    assert (np.abs(picture[..., 3] - 0.5) < 0.2).any()
+
+
 def test_background_none_is_transparent_and_covers_by_share(radiance):
     model = scene(sphere(), materials=[Material(unlit=True, base_color=(*BLUE, 1.0))])
     picture = radiance(model, orthographic(height=3.0), (64, 64), background="none", antialias="msaa-4")

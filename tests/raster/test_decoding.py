@@ -111,6 +111,14 @@ def test_only_alpha_that_covers_is_read_as_coverage(pixels, material, letters):
     assert channels_read(plan, {}) == {(texture.image, "srgb"): letters}
 
 
+def test_an_opaque_map_keeps_what_its_alpha_would_hide(pixels):
+    texture = Texture(encoded(pixels))
+    both = [Material(alpha_mode=mode, base_color_texture=texture) for mode in ("opaque", "blend")]
+    plan = plan_scene(scene_of(plate(0), plate(1), materials=both), Settings(), (), samples=1, half_target=False,
+                      orthographic=False)
+    assert channels_read(plan, {}) == {(texture.image, "srgb"): "RGBCO"}
+
+
 def test_channels(pixels):
     image = encoded(pixels)
     assert np.array_equal(decode_levels(image, "R", "linear")[0], pixels[..., :1])

@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 from harness import evaluate
 from images import image_of, noise
+from shapes import orthographic, plate, scene
 
 from viewer.gpu.buffer_texture import BufferTexture
 from viewer.gpu.programs import set_uniform
 from viewer.scene.color import srgb_to_linear
-from viewer.scene.material import Sampler, Texture, UVTransform
+from viewer.scene.material import Material, Sampler, Texture, UVTransform
 from viewer.scene.texture_image import TextureImage
+from viewer.settings import Settings
 from viewer.trace.scene.atlas import MAX_TEXELS, Atlas, layout_atlas
 from viewer.trace.scene.materials import map_texels
 from viewer.trace.scene.scene_buffer import SceneBufferBuilder
@@ -130,6 +132,31 @@ def test_a_reduced_image_is_the_mean_of_its_texels(context, monkeypatch, is_srgb
         value[..., :3] = srgb_to_linear(value[..., :3])
     # Half a step of the 8 bits that store the mean; for sRGB the step is up to 2.3 times as wide
     np.testing.assert_allclose(found, value.reshape(32, 2, 32, 2, 4).mean(axis=(1, 3)), atol=0.51 * 2.3 / 255)
+
+
+@pytest.mark.parametrize("limit", [64, 32])
+def test_what_alpha_hides_has_the_colours_of_what_is_seen(context, monkeypatch, limit):
+    """White cut out of black is all white, at full size and at half of it; another image keeps its colours."""
+    monkeypatch.setitem(context.gl.info, "GL_MAX_TEXTURE_SIZE", limit)
+    pixels = np.zeros((64, 64, 4), np.uint8)
+    pixels[::3, ::3] = 255
+    image = image_of(pixels)
+    for covering in ({image}, set()):
+        found = evaluate_texels(context, Atlas(context, [image], True, covering).upload(), limit, limit)
+        assert (found[..., :3] == 1).all() == bool(covering)
+        assert 0 < found[..., 3].mean() < 0.15 and (found[..., 3] == 0).any()
+
+
+def test_what_materials_hide_counts_in_paths(tracer):
+    """Some texels of a map hide black; of the same map as an opaque colour it is seen."""
+    pixels = np.zeros((4, 4, 4), np.uint8)
+    pixels[1:3, 1:3] = 255
+    for mode, least in (("blend", 1.0), ("opaque", 0.0)):
+        material = Material(base_color_texture=Texture(image_of(pixels)), unlit=True, alpha_mode=mode)
+        picture = tracer.render(scene(plate(), materials=[material]), orthographic(height=2.0),
+                                Settings.of(mode="path", spp=4, background="none"), (16, 16)).linear
+        seen = picture[picture[..., 3] > 0]
+        assert (seen[:, :3] / seen[:, 3:]).min() == pytest.approx(least, abs=1e-3)
 
 
 def test_a_broken_image_is_its_neutral_colour(context):

@@ -24,9 +24,10 @@ def decode_ahead(scene: Scene, settings: Settings) -> Decoder:
 def channels_read(
     plan: Plan, before: Mapping[tuple[TextureImage, Encoding], str]
 ) -> dict[tuple[TextureImage, Encoding], str]:
-    """The channels, R, RGB, RGBA or RGBC, of each image that some map of this plan reads, or has read `before`.
+    """The channels, R, RGB, RGBA, RGBC or RGBCO, of each image that some map of this plan reads, or has read `before`.
 
-    C is the alpha of a base colour, which covers what is behind it; other maps have another quantity there.
+    C is the alpha of a base colour, which covers what is behind it; other maps have another quantity there, and opaque
+    base colours (O) show what it would hide.
 
     An image that two maps share (occlusion and roughness) is stored once for each encoding.
     """
@@ -37,10 +38,15 @@ def channels_read(
             info = MAPS[name].info
             letters = info.channels
             if name == "base_color":
-                letters = "RGB" if draw.surface.alpha_mode == "opaque" else "RGBC"
+                letters = "RGBO" if draw.surface.alpha_mode == "opaque" else "RGBC"
             reads.setdefault((image, info.encoding), set()).update(letters)
-    return {read: "R" if letters == {"R"} else "RGBC" if "C" in letters else "RGBA" if "A" in letters else "RGB"
-            for read, letters in reads.items()}
+    return {read: _channels(letters) for read, letters in reads.items()}
+
+
+def _channels(letters: set[str]) -> str:
+    if "C" in letters and "A" not in letters:
+        return "RGBCO" if "O" in letters else "RGBC"
+    return "R" if letters == {"R"} else "RGBA" if letters & {"A", "C"} else "RGB"
 
 
 def sampled_images(plan: Plan, channels: Mapping[tuple[TextureImage, Encoding], str]) -> set[Key]:

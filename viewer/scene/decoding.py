@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from ..scene.color import srgb_to_linear
-from ..scene.mip_levels import mip_levels
+from ..scene.mip_levels import mip_levels, without_hidden
 from ..scene.normal_spread import with_spread
 from ..scene.parameter import Encoding
 from ..scene.texture_image import TextureImage
 
 Key = tuple[TextureImage, str, Encoding]
-"""An image, the channels to read (R, RGB, RGBA, or RGBC where the fourth is coverage), and what they are."""
+"""An image, the channels to read (R, RGB, RGBA, or RGBC where the fourth is coverage, and RGBCO where opaque surfaces
+show what it hides elsewhere), and what they are."""
 
 _THREADS = 2
 _MAX_PENDING = 4
@@ -82,7 +83,8 @@ def decode_levels(image: TextureImage, channels: str, encoding: Encoding) -> lis
         return with_spread(mip_levels(image.decode("RGB")), image.halvings)
     is_srgb = encoding == "srgb"
     pixels = _pixels(image, channels, is_srgb)
-    return mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers=channels == "RGBC")[image.halvings:]
+    levels = mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers="C" in channels)
+    return (without_hidden(levels) if channels == "RGBC" else levels)[image.halvings:]
 
 
 def _pixels(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:

@@ -28,6 +28,25 @@ def mip_levels(pixels: np.ndarray, srgb: bool = False, covers: bool = False) -> 
     return levels
 
 
+def without_hidden(levels: list[np.ndarray]) -> list[np.ndarray]:
+    """Levels whose last of two or four channels is coverage, with the colours of the next smaller level where it is 0.
+
+    So lookups between texels do not see what is hidden. Gortler et al. 1996, "The Lumigraph", fill holes so.
+    """
+    if levels[0].shape[2] not in (2, 4):
+        return levels
+    filled = levels[-1:]
+    for level in levels[-2::-1]:
+        rows, columns = np.nonzero(level[..., -1] == 0)
+        if len(rows):
+            level = level.copy()
+            last = np.subtract(filled[0].shape[:2], 1)
+            parents = np.minimum(rows // 2, last[0]), np.minimum(columns // 2, last[1])
+            level[rows, columns, :-1] = filled[0][..., :-1][parents]
+        filled.insert(0, level)
+    return filled
+
+
 def _half(pixels: np.ndarray, srgb: bool) -> np.ndarray:
     height, width, components = pixels.shape
     if pixels.dtype == np.uint8 and height % 2 == width % 2 == 0:

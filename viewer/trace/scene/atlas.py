@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import partial
 from math import isqrt
@@ -15,7 +15,7 @@ from ...base.heap import trim_heap
 from ...gpu.context import Context
 from ...scene.color import srgb_to_linear
 from ...scene.decoding import Decoder
-from ...scene.mip_levels import mip_levels
+from ...scene.mip_levels import mip_levels, without_hidden
 from ...scene.texture_image import TextureImage
 
 Page = tuple[int, int, int, int]
@@ -49,9 +49,13 @@ class AtlasLayout:
 
 
 class Atlas:
-    """Begins at once to decode the images on other threads; `upload` waits for them."""
+    """Begins at once to decode the images on other threads; `upload` waits for them.
 
-    def __init__(self, context: Context, images: Iterable[TextureImage], is_srgb: bool) -> None:
+    The alpha of `covering` images is coverage, and below 0 they get the colours of what is seen beside.
+    """
+
+    def __init__(self, context: Context, images: Iterable[TextureImage], is_srgb: bool,
+                 covering: Collection[TextureImage] = ()) -> None:
         self._context = context
         self.layout = layout_atlas(images, context.gl.info["GL_MAX_TEXTURE_SIZE"])
         is_deep = any(image.bits == 16 for image in self.layout.pages)
@@ -60,7 +64,8 @@ class Atlas:
             self._format: _Format = "light"
         else:
             self._format = "deep" if is_deep else "data"
-        self._decoder = Decoder(self.layout.halvings.items(), partial(_decode_page, format=self._format))
+        keys = [(image, halvings, image in covering) for image, halvings in self.layout.halvings.items()]
+        self._decoder = Decoder(keys, partial(_decode_page, format=self._format))
 
     def upload(self) -> moderngl.Texture:
         """The texture; row 0 of each page is the top of the image. Raises InputError for an image that is broken."""
@@ -140,7 +145,7 @@ def _lowest_y(skyline: list[tuple[int, int, int]], x: int, width: int) -> int:
     return max(level for left, level, span in skyline if left < x + width and left + span > x)
 
 
-def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndarray:
+def _decode_page(image: TextureImage, halvings: int, covers: bool, format: _Format) -> np.ndarray:
     """The pixels of a page, (H, W, 4), in the format of the atlas."""
     pixels = image.decode()
     is_color, full = format == "light", np.iinfo(pixels.dtype).max
@@ -153,7 +158,9 @@ def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndar
         page = page.astype(np.uint16) * 257
     if is_color and full == 65535:  # linear before it is halved
         page = _linear(page)
-    page = mip_levels(page, is_color and page.dtype == np.uint8)[halvings] if halvings else page
+    if halvings or (covers and not page[..., 3].all()):
+        levels = mip_levels(page, is_color and page.dtype == np.uint8, covers)
+        page = (without_hidden(levels) if covers else levels)[halvings]
     return _linear(page) if is_color and page.dtype == np.uint8 else page
 
 

@@ -8,6 +8,7 @@ import moderngl
 from ...gpu.buffer_texture import BufferTexture
 from ...gpu.context import Context
 from ...gpu.programs import set_uniform
+from ...material.pack import COLOR_ROLES
 from ...scene.scene import Scene
 from ...scene.texture_image import TextureImage
 from .atlas import Atlas
@@ -27,7 +28,8 @@ class SceneData:
         self.switches = geometry_switches(scene, geometry, everything)
         self._everything, self._shows_specular = everything, True
         color, data = _images(geometry)
-        self._color = Atlas(context, color, True) if color else None
+        self._covering = _covering(geometry)
+        self._color = Atlas(context, color, True, self._covering) if color else None
         self._data = Atlas(context, data, False) if data else None
         self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
         self.take(scene, geometry)
@@ -39,6 +41,7 @@ class SceneData:
         """Whether the textures and programs of another scene are the same."""
         held = ({} if atlas is None else atlas.layout.pages for atlas in (self._color, self._data))
         return (geometry_switches(scene, geometry, self._everything) == self.switches
+                and _covering(geometry) == self._covering
                 and all(set(images) == pages.keys() for images, pages in zip(_images(geometry), held, strict=True)))
 
     def take(self, scene: Scene, geometry: TraceGeometry) -> None:
@@ -110,3 +113,10 @@ def _images(geometry: TraceGeometry) -> tuple[list[TextureImage], list[TextureIm
     """The images of colours, and those of data."""
     return ([use.texture.image for m in geometry.materials for use in m.color_maps],
             [texture.image for m in geometry.materials for texture in m.data_textures])
+
+
+def _covering(geometry: TraceGeometry) -> set[TextureImage]:
+    """The images whose alpha covers what is behind, in all base colours that they are."""
+    uses = [(use.texture.image, m.material.alpha_mode == "opaque") for m in geometry.materials for use in m.color_maps
+            if use.roles & COLOR_ROLES["base_color"]]
+    return {image for image, _ in uses} - {image for image, is_opaque in uses if is_opaque}
