@@ -61,12 +61,17 @@ def test_lights_are_ordered_bounded_and_dark_ones_dropped():
 
 
 def test_shadow_maps_go_to_the_lights_that_are_brightest_at_the_scene():
-    """A far lamp of more candela gives less light than a near one; a sun has its tile before all lamps."""
+    """A far lamp of more candela gives less light than a near one, and a bright one out of range gives none; a sun has
+    its tile before all lamps."""
     near = [Light("point", intensity=1.0 + k, position=(0, 3, 0)) for k in range(11)]
     found = plan(scene(lights=(Light("point", intensity=50.0, position=(0, 300, 0)), *near, SUN)))
     with_map = {light.intensity for light, layer in zip(found.lights, found.shadow_layers, strict=True) if layer >= 0}
     assert with_map == {SUN.intensity} | {light.intensity for light in near[1:]}
     assert [layer for layer in found.shadow_layers if layer >= 0] == [0, *range(1, 61, 6)]
+    beyond = [Light("point", intensity=1e3, position=(0, 20, 0), range=1.0)] * 64
+    reached = plan(scene(lights=(*beyond, *near[1:])))
+    lit = {light.intensity for light, layer in zip(reached.lights, reached.shadow_layers, strict=True) if layer >= 0}
+    assert lit == {light.intensity for light in near[1:]}
     assert "shadow maps of 2 lights: there is room for 64 tiles" in found.left_out
 
 

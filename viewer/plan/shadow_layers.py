@@ -42,4 +42,6 @@ def _illuminance(light: Light, scene: Scene) -> float:
     if light.kind == "directional":
         return bright
     distance = max(float(np.linalg.norm(np.subtract(light.position, scene.center))), scene.radius)
+    if light.range and distance - scene.radius >= light.range:
+        return 0.0
     return bright / distance / distance if math.isfinite(distance) else 0.0
