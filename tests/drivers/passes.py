@@ -30,7 +30,8 @@ _OVER_PICTURES: dict[str, dict[str, tuple[float, ...]]] = {
     "raster/overdraw.frag": {"SHOW": (-1,), "COLORS": (8,)},
     "raster/visibility.frag": {},
     "raster/ambient_occlusion.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
-    "raster/environment_shadows.frag": {"LIGHTS": (16, 64), "ESTIMATED": (0, 1), "IS_ORTHOGRAPHIC": (0, 1)},
+    "raster/environment_shadows.frag": {
+        "LIGHTS": (16, 64), "ESTIMATED": (0, 1), "IS_ORTHOGRAPHIC": (0, 1), "TINTED": (0, 1)},
     "raster/reflection_rays.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
     "raster/reflected_light.frag": {"REFLECTS": (1,), "ENVIRONMENT_ROTATED": (0, 1)},
     "raster/reflected_mean.frag": {},
