@@ -48,7 +48,8 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
     if lights > MAX_LIGHTS and not is_traced:
         lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")
-    if settings.shadows == "on" and scene.instances and not (is_traced or settings.shows_values):
+    casts = bool(scene.instances or scene.curves)
+    if settings.shadows == "on" and casts and not (is_traced or settings.shows_values):
         shown = ordered_lights(scene.lights)
         casting = sum(light.casts_shadow for light in shown)
         with_map = sum(layer >= 0 for layer in shadow_layers(shown, scene)[0])
