@@ -64,11 +64,15 @@ def test_the_density_is_that_of_all_fibres(grid):
     assert (filled > curves.corners[0] - grid.cell).all() and (filled < curves.corners[7] + grid.cell).all()
 
 
-@pytest.mark.parametrize("direction", [(0, 0, 1), (0, -1, 0), (0.6, -0.64, 0.48), (-0.36, 0.48, -0.8), (0.8, 0.6, 0)])
-def test_the_depth_of_a_box_is_its_way_out(direction):
+def box_of_fibres() -> FibreGrid:
     density = np.pad(np.full((20, 16, 24), 0.3, np.float32), 1)
     none = np.zeros((6, *density.shape), np.float32)  # as if all fibres were across the light
-    box = FibreGrid(np.array([-1.0, -2.0, 0.5]), 0.1, density, none, none[:3], none[0])
+    return FibreGrid(np.array([-1.0, -2.0, 0.5]), 0.1, density, none, none[:3], none[0])
+
+
+@pytest.mark.parametrize("direction", [(0, 0, 1), (0, -1, 0), (0.6, -0.64, 0.48), (-0.36, 0.48, -0.8), (0.8, 0.6, 0)])
+def test_the_depth_of_a_box_is_its_way_out(direction):
+    box = box_of_fibres()
     direction = np.array(direction, float)
     low = box.low + 0.1
     high = low + 0.1 * np.array([24, 16, 20])
@@ -78,6 +82,21 @@ def test_the_depth_of_a_box_is_its_way_out(direction):
     way = np.where(direction == 0, np.inf, ways).min(axis=-1)
     found = box.depth(direction)[1:-1, 1:-1, 1:-1]
     assert np.abs(found - 3 * way).mean() < 0.1 and found.mean() == pytest.approx(3 * way.mean(), rel=0.03)
+
+
+def test_light_of_fibres_comes_through_those_before_them():
+    """Of a layer at the top, from 3 cells on: nothing comes from below, and from above what the others leave of it."""
+    box, kept = box_of_fibres(), np.array([1.0, 0.5])
+    source = np.zeros((2, *box.shape), np.float32)
+    source[:, :, -4:] = 2.0
+    inside = np.s_[:, 11, 1:-4, 13]  # of a column in the middle
+    above = box.gathered(np.array([0.0, 1, 0]), source, kept)[inside]
+    before = 0.3 * (np.arange(13)[::-1] + 0.5) * kept[:, None]  # the optical depth up to the layer, 3 cells thick
+    np.testing.assert_allclose(above, 2 * np.exp(-before) * (1 - np.exp(-0.9 * kept[:, None])), rtol=1e-4)
+    assert not box.gathered(np.array([0.0, -1, 0]), source, kept)[inside].any()
+    slanting = np.array([0.6, 0.64, -0.48])
+    all_around = box.gathered(slanting, np.ones_like(source), kept)  # interpolated after the exponential, not before
+    np.testing.assert_allclose(all_around[0], 1 - np.exp(-box.depth(slanting)), atol=0.05)
 
 
 def test_a_far_point_is_a_direction(grid):
@@ -192,6 +211,9 @@ def test_light_keeps_its_inclination_between_parallel_fibres(grid, brown):
     inside = grid.density > np.quantile(grid.density[grid.density > 0], 0.5)
     down, across, up = (radiance_at(light, inside, s).mean() for s in (0.7, 0.0, -0.7))
     assert down > 1.5 and across < 0.75 * down and up < 0.3 * down
+    inside[:, grid.shape[1] // 2:] = False
+    down, across = (radiance_at(light, inside, s).mean() for s in (0.7, 0.0))
+    assert across < 0.22 * down  # less comes across in the lower half, where all of it comes from above
 
 
 def test_light_between_fibres_comes_from_where_they_are_lit(grid, white):

@@ -76,22 +76,28 @@ class FibreGrid:
         return np.sqrt(self.density * np.maximum(across, 0))
 
     def depth(self, direction: np.ndarray) -> np.ndarray:
-        """The optical depth of other fibres along `direction` (x, y, z), from each cell on, (nz, ny, nx).
+        """The optical depth of other fibres along `direction` (x, y, z), from each cell on, (nz, ny, nx)."""
+        sweep = _Sweep(direction)
+        halves = sweep.slices(self.extinction(direction) / np.float32(2 * sweep.steepest))
+        out, behind = [], np.zeros_like(halves[0])
+        for half in halves:
+            out.append(sweep.moved(behind) + half)
+            behind = out[-1] + half
+        return self._of_others(sweep.whole(out))
 
-        It is carried from slice to slice along the axis that the direction follows most, and interpolated within them.
-        """
-        along = np.asarray(direction, np.float64)[::-1]  # z, y, x
-        axis = int(np.abs(along).argmax())
-        slices = np.moveaxis(self.extinction(direction), axis, 0)
-        slices = slices[::-1] if along[axis] > 0 else slices  # the first is the last that the ray passes
-        halves = slices / np.float32(2 * abs(along[axis]))
-        slopes = np.delete(along, axis) / abs(along[axis])
-        out = np.empty_like(halves)
-        behind = np.zeros(halves.shape[1:], halves.dtype)
-        for k, half in enumerate(halves):
-            out[k] = _moved(behind, slopes) + half
-            behind = out[k] + half
-        return self._of_others(np.moveaxis(out[::-1] if along[axis] > 0 else out, 0, axis))
+    def gathered(self, direction: np.ndarray, source: np.ndarray, kept: np.ndarray) -> np.ndarray:
+        """The radiance (k, nz, ny, nx) that comes to each cell from `direction` (x, y, z), where others scatter as much
+        as they would if the radiance `source` (k, nz, ny, nx) was all around them. `kept` (k,) of their extinction
+        counts."""
+        sweep, factor = _Sweep(direction), kept.astype(np.float32)[:, None, None]
+        halves = sweep.slices(self.extinction(direction) / np.float32(2 * sweep.steepest))
+        sources = sweep.slices(source)
+        out, behind = [], np.zeros_like(sources[0])
+        for half, own, here in zip(halves, sweep.slices(self.own), sources, strict=True):
+            more = sweep.moved(behind) - here
+            out.append(here + more * np.exp(-factor * np.maximum(half - own, 0)))
+            behind = here + more * np.exp(-2 * factor * half)
+        return sweep.whole(out)
 
     def depth_to(self, point: np.ndarray) -> np.ndarray:
         """The optical depth of other fibres from each cell to a point, (nz, ny, nx), by steps of a cell."""
@@ -120,18 +126,39 @@ class FibreGrid:
         return np.maximum(depth - self.own, 0)
 
 
-def _moved(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """`values` (n, m) at a place that lies by `slopes`, at most 1, farther along both axes; 0 beyond the edges."""
-    n, m = values.shape
-    padded = np.zeros((n + 2, m + 2), values.dtype)
-    padded[1:-1, 1:-1] = values
-    low = np.floor(slopes).astype(int)
-    a, b = slopes - low
-    parts = [[padded[1 + y:1 + y + n, 1 + x:1 + x + m] for x in (low[1], min(low[1] + 1, 1))]
-             for y in (low[0], min(low[0] + 1, 1))]
-    moved: np.ndarray = ((1 - a) * ((1 - b) * parts[0][0] + b * parts[0][1])
-                         + a * ((1 - b) * parts[1][0] + b * parts[1][1]))
-    return moved
+class _Sweep:
+    """Carries values (..., nz, ny, nx) against `direction` (x, y, z): from slice to slice along the axis it follows
+    most. The first slice is the last that a ray passes. Values are interpolated within the slices."""
+
+    def __init__(self, direction: np.ndarray) -> None:
+        along = np.asarray(direction, np.float64)[::-1]  # z, y, x
+        self._axis = int(np.abs(along).argmax()) - 3
+        self._backwards = along[self._axis] > 0
+        self.steepest = abs(along[self._axis])
+        slopes = np.delete(along, self._axis) / self.steepest
+        self._low = np.floor(slopes).astype(int)
+        self._between = (slopes - self._low).astype(np.float32)
+
+    def slices(self, values: np.ndarray) -> np.ndarray:
+        slices = np.moveaxis(values, self._axis, 0)
+        return slices[::-1] if self._backwards else slices
+
+    def whole(self, slices: list[np.ndarray]) -> np.ndarray:
+        """The opposite of `slices`."""
+        stacked = np.stack(slices[::-1] if self._backwards else slices)
+        return np.moveaxis(stacked, 0, self._axis)
+
+    def moved(self, values: np.ndarray) -> np.ndarray:
+        """`values` (..., n, m) of the slice before, at the places that the ray meets there; 0 beyond the edges."""
+        n, m = values.shape[-2:]
+        padded = np.zeros((*values.shape[:-2], n + 2, m + 2), values.dtype)
+        padded[..., 1:-1, 1:-1] = values
+        low, (a, b) = self._low, self._between
+        parts = [[padded[..., 1 + y:1 + y + n, 1 + x:1 + x + m] for x in (low[1], min(low[1] + 1, 1))]
+                 for y in (low[0], min(low[0] + 1, 1))]
+        moved: np.ndarray = ((1 - a) * ((1 - b) * parts[0][0] + b * parts[0][1])
+                             + a * ((1 - b) * parts[1][0] + b * parts[1][1]))
+        return moved
 
 
 def fibre_grid(all_curves: Sequence[Curves], are_yarns: bool = False) -> FibreGrid:

@@ -8,6 +8,10 @@ the angle to the fibres,
     L(s) = 1 / (4 pi) sum_l (2 l + 1) phi_l P_l(s)
 
 and a diffusion equation (diffusion.py) holds for each moment phi_l, with what others turn into it at fibres.
+
+Diffuse light goes all ways from where it is. But light that goes down in fur keeps going down: at the roots all of it
+comes from above. So what comes to a cell is gathered once more along straight ways, from what the fibres there scatter
+of the diffuse light (as the final gathering of Jensen 1996 does for surfaces).
 """
 
 from __future__ import annotations
@@ -26,7 +30,7 @@ from .fibre_grid import MEAN_SINE, FibreGrid
 from .fibre_medium import ORDERS, fibre_medium
 from .many_lights import ManyLights, uniform_lights
 
-_DIRECTIONS = 32
+_DIRECTIONS = uniform_lights(32, np.ones(3)).directions
 _RIDGE = 0.03
 """What keeps `_fitted` solvable where no fibres are."""
 _ROUNDS = 2
@@ -38,9 +42,9 @@ class HairLight:
     """Light that fibres have scattered, on the grid.
 
     `scattered` (nz, ny, nx, 3) is its mean radiance from where fibres hide the outside. `inclined` (nz, ny, nx, 4) has
-    its moments phi_1 to phi_4 over phi_0, in the mean of the channels. From a direction d it comes 1 + v . d times,
-    with v `across` (nz, ny, nx, 3), at a right angle to the fibres. `depths` has the optical depth (nz, ny, nx) to each
-    light.
+    its moments phi_1 to phi_4 over phi_0, in the mean of the channels, less those that it would have if it came evenly
+    from there. From a direction d it comes 1 + v . d times, with v `across` (nz, ny, nx, 3), at a right angle to the
+    fibres. `depths` has the optical depth (nz, ny, nx) to each light.
     """
 
     scattered: np.ndarray
@@ -56,25 +60,29 @@ class HairMedium:
     outside) = a + b . d + c (t . d)^2: a, b and c. What fibres hide follows in each channel for itself.
     """
 
-    def __init__(self, grid: FibreGrid, fibre: Fibre) -> None:
+    def __init__(self, grid: FibreGrid, fibre: Fibre, are_yarns: bool = False) -> None:
         self.grid, self.fibre, self.medium = grid, fibre, fibre_medium(fibre)
+        self._are_yarns = are_yarns
         self._extinction = grid.density * np.float32(MEAN_SINE)
         self._axis, self._order = grid.moments()
-        self._open = np.zeros((ORDERS, *grid.shape), np.float32)
-        directions = uniform_lights(_DIRECTIONS, np.ones(3)).directions
-        depths = np.stack([grid.depth(direction) for direction in directions])
-        self.open = _fitted(depths, directions, self._axis)
+        self._open = np.zeros((ORDERS, 3, *grid.shape), np.float32)
+        depths = np.stack([grid.depth(direction) for direction in _DIRECTIONS])
+        self.open = _fitted(depths, _DIRECTIONS, self._axis)
+        # of a channel, after and before
+        self._transfer = (self.medium.inclined * self.medium.albedo[:, None, None]).astype(np.float32)
         around = np.zeros((ORDERS, 3, *grid.shape), np.float32)
-        opacity = np.zeros((3, *grid.shape), np.float32)
-        for direction, depth in zip(directions, depths, strict=True):
-            passed = self._passed(depth) / _DIRECTIONS
-            self._add(around, passed, direction)
-            opacity += 1 / _DIRECTIONS - passed
+        for direction, depth in zip(_DIRECTIONS, depths, strict=True):
+            self._add(around, self._passed(depth) / np.float32(len(_DIRECTIONS)), direction)
         # Under light from all around what fibres scatter comes evenly from all sides, but what reaches them does not.
-        self._open[1:] = around[1:, 1] / np.maximum(around[0, 1], 1e-30)
+        self._open[1:] = around[1:] / np.maximum(around[0], 1e-30)
         self._white = self._diffused(around[:1], np.ones_like(around[:1]))[0]
-        # In a medium that absorbs nothing, under radiance 1 from everywhere, all radiance is 1 (diffusion.py).
-        self._from_hidden = 1 / np.maximum(self._white, np.maximum(opacity / MOST_CORRECTED, 1e-30))
+        # In a medium that absorbs nothing, under radiance 1 from everywhere, all radiance is 1 (diffusion.py): what
+        # fibres meet of it, `others` have scattered where it has not come from the outside.
+        others = np.maximum(1 - around[0], 0)
+        self._correction = others / np.maximum(self._white, np.maximum(others / MOST_CORRECTED, 1e-30))
+        even = np.zeros_like(around)
+        even[0] = 1
+        self._hidden = self._from_around(even)
 
     def lit(self, lights: Iterable[Light], sky: ManyLights | None) -> HairLight:
         """The light of `lights` and of the environment, `sky`."""
@@ -96,8 +104,8 @@ class HairMedium:
             irradiance = _irradiance(light, grid.centers).reshape(grid.shape)
             self._add(around, self._passed(depth) * irradiance * _channels(light.color), towards)
         phi = self._lit(around)
-        scattered = np.maximum(phi[0] * self._from_hidden, 0) / np.float32(4 * math.pi)
-        inclined = np.clip(phi[1:].sum(axis=1) / np.maximum(phi[0].sum(axis=0), 1e-30), -1, 1)
+        scattered, inclined = (self._diffuse(phi) if self._are_yarns else
+                               self._gathered(around + phi * self._correction))
         return HairLight(np.moveaxis(scattered, 0, -1), np.moveaxis(inclined, 0, -1), self._across(phi[0]), depths)
 
     def _add(self, light: np.ndarray, arriving: np.ndarray, direction: np.ndarray) -> None:
@@ -106,8 +114,38 @@ class HairMedium:
         of all."""
         d = np.asarray(direction, np.float32)
         arriving = arriving * (self.grid.extinction(d) / np.maximum(self._extinction, 1e-30))
+        light += arriving * ((self._legendre(d) * self._order)[:, None] - self._open)
+
+    def _legendre(self, direction: np.ndarray) -> np.ndarray:
+        """P_l of the inclination of `direction`, (3,) or (3, nz, ny, nx), to the fibres: (ORDERS, nz, ny, nx)."""
+        d = np.asarray(direction, np.float32)
         legendre = np.polynomial.legendre.legvander(sum(self._axis[k] * d[k] for k in range(3)), ORDERS - 1)
-        light += arriving * (np.moveaxis(legendre, -1, 0) * self._order - self._open).astype(np.float32)[:, None]
+        return np.moveaxis(legendre, -1, 0).astype(np.float32)
+
+    def _diffuse(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """`scattered` and `inclined` (HairLight) of diffuse light. Cloth is as thin as a cell or two, in which straight
+        ways say no more."""
+        scattered = np.maximum(phi[0], 0) / np.maximum(self._white, np.maximum(self._hidden[0] / MOST_CORRECTED, 1e-30))
+        inclined = phi[1:].sum(axis=1) / np.maximum(phi[0].sum(axis=0), 1e-30)
+        return scattered / np.float32(4 * math.pi), np.clip(inclined, -1, 1)
+
+    def _gathered(self, light: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """`scattered` and `inclined` (HairLight) of what fibres scatter of `light` (ORDERS, 3, nz, ny, nx)."""
+        phi = self._from_around(self._turned(light))
+        scattered = phi[0] / np.maximum(self._hidden[0], 1e-6)
+        inclined = (phi[1:] - scattered * self._hidden[1:]).sum(axis=1) / np.maximum(phi[0].sum(axis=0), 1e-30)
+        return scattered / np.float32(4 * math.pi), np.clip(inclined, -1, 1)
+
+    def _from_around(self, given: np.ndarray) -> np.ndarray:
+        """The moments of what comes along straight ways from fibres that scatter light of the moments `given`, both
+        (ORDERS, 3, nz, ny, nx)."""
+        series = given * (2 * np.arange(ORDERS, dtype=np.float32) + 1)[:, None, None, None, None]
+        phi = np.zeros_like(given)
+        for direction in _DIRECTIONS:
+            legendre = self._legendre(direction)
+            source = np.maximum(np.einsum("lczyx,lzyx->czyx", series, legendre), 0)
+            phi += self.grid.gathered(direction, source, self.medium.kept) * legendre[:, None]
+        return phi / np.float32(len(_DIRECTIONS))
 
     def _across(self, fluence: np.ndarray) -> np.ndarray:
         """Where light of this fluence (3, nz, ny, nx) comes from across the fibres (`origin_of`), less where it would
@@ -124,14 +162,16 @@ class HairMedium:
 
     def _lit(self, light: np.ndarray) -> np.ndarray:
         """The moments of what fibres have scattered of `light`, both (ORDERS, 3, nz, ny, nx)."""
-        # of a channel, after and before
-        transfer = (self.medium.inclined * self.medium.albedo[:, None, None]).astype(np.float32)
-        own = np.einsum("cll->lc", transfer)[..., None, None, None] * self._order[:, None]
+        own = np.einsum("cll->lc", self._transfer)[..., None, None, None] * self._order[:, None]
         phi = np.zeros_like(light)
         for _ in range(_ROUNDS):
-            given = np.einsum("clm,mczyx->lczyx", transfer, light + phi) * self._order[:, None]
-            phi = self._diffused(given - own * phi, own)
+            phi = self._diffused(self._turned(light + phi) - own * phi, own)
         return phi
+
+    def _turned(self, light: np.ndarray) -> np.ndarray:
+        """The moments of `light` (ORDERS, 3, nz, ny, nx) after one fibre."""
+        turned: np.ndarray = np.einsum("clm,mczyx->lczyx", self._transfer, light) * self._order[:, None]
+        return turned
 
     def _diffused(self, given: np.ndarray, albedos: np.ndarray) -> np.ndarray:
         """What becomes of light that fibres scatter, `given` times their extinction: all (k, 3, nz, ny, nx)."""

@@ -32,8 +32,9 @@ def medium_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
 
 def hair_medium(scene: Scene, settings: Settings) -> HairMedium:
     """The medium that the scene's curves are."""
-    grid = fibre_grid(dense_curves(scene, settings), settings.yarn != "off")
-    return HairMedium(grid, mean_fibre(scene, settings))
+    are_yarns = settings.yarn != "off"
+    grid = fibre_grid(dense_curves(scene, settings), are_yarns)
+    return HairMedium(grid, mean_fibre(scene, settings), are_yarns)
 
 
 def light_key(plan: Plan, environment: EnvironmentLight | None) -> tuple[object, ...]:
