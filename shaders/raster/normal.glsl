@@ -24,8 +24,10 @@ vec3 geometric_normal() {
 #if (NORMAL_MAP || CLEARCOAT_NORMAL_MAP) && HAS_TANGENT
 #include "trace/shading_normal.glsl"
 
-// The normal n of a map as paths bend it: the mirror direction of v is above the triangle.
+// The normal n of a map as paths bend it: the mirror direction of v is above the triangle. Where the map is blank, since
+// materials share a program, n is as without one.
 vec3 bent_over_triangle(vec3 n, vec3 n_geometric, vec3 v) {
+    if (distance(n, n_geometric) < 1e-5) return n;
 #if DEFERRED
     vec3 face = deferred_face;
 #else

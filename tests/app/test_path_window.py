@@ -16,10 +16,10 @@ from viewer.settings import Settings
 from .conftest import PLAIN
 from .test_window import OTHER, SAME, flip
 
-SIZE = (160, 120)
+SIZE = (160, 150)
 PATHS = replace(PLAIN, mode="path", spp=4)
-BELOW = slice(60, None)
-"""Rows below the line that tells how far it is, and the names of a split's sides."""
+BELOW = slice(90, None)
+"""Rows below the lines that tell how far it is, and the names of a split's sides."""
 
 
 def rendered(scene, settings: Settings, camera: Camera | None = None) -> np.ndarray:
