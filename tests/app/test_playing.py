@@ -60,10 +60,10 @@ def test_paths_begin_again_at_another_time(open_window, rolling):
     window.state.seek(1.5)
     hands.until(lambda: window.picture.paths.is_done)
     second = hands.screen()
-    assert flip(first[60:], second[60:]) > 2 * SAME  # below the line that tells the seconds
+    assert flip(first[90:], second[90:]) > 2 * SAME  # below the lines that tell the seconds
     window.state.seek(1.0)
     hands.until(lambda: window.picture.paths.is_done)
-    assert flip(first[60:], hands.screen()[60:]) < SAME
+    assert flip(first[90:], hands.screen()[90:]) < SAME
 
 
 def test_the_panel_has_a_section_for_what_moves(open_window, rolling, scene, monkeypatch):
