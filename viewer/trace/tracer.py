@@ -283,7 +283,7 @@ class Tracer:
         return self._dfg[key]
 
     def forget(self) -> None:
-        """As `viewer.raster.renderer.Renderer.forget`."""
+        """Free what only the last scene needs."""
         self.context.make_current()
         if self._scene is not None:
             self._scene.release()
