@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from ..base.progress import Progress
 from ..base.signals import Stopped, StopRequest, postponed
 from ..image.image import LINEAR_WRITABLE, Image
-from ..plan.smaller_images import SmallerImages
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -35,15 +34,6 @@ def make_picture_maker(request: RenderRequest) -> PictureMaker:
 
 
 class RasterMaker(PictureMaker):
-    def __init__(self, request: RenderRequest) -> None:
-        super().__init__(request)
-        self._smaller_images = SmallerImages()
-
-    def forget(self) -> None:
-        """As `PictureMaker.forget`."""
-        super().forget()
-        self._smaller_images = SmallerImages()
-
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`."""
         from ..plan.legend import legend
@@ -51,7 +41,6 @@ class RasterMaker(PictureMaker):
 
         request = self._request
         settings = request.quality.applied(request.settings)
-        scene = self._with_smaller_images(scene, camera, settings)
         if self._renderer is None:
             ahead = decode_ahead(scene, settings)  # other threads decode while this one imports and opens OpenGL
             from ..raster.renderer import Renderer
@@ -76,15 +65,6 @@ class RasterMaker(PictureMaker):
                       **renderer.caustic_stats()}
         self.texture_bytes = renderer.texture_bytes
         return image
-
-    def _with_smaller_images(self, scene: Scene, camera: Camera, settings: Settings) -> Scene:
-        """But for pictures of high quality, views of values, and layers, which are the same in all pictures."""
-        request = self._request
-        is_exact = request.quality.name == "high" or request.layers or settings.show != "shaded"
-        if is_exact or settings.plan == "everything":
-            return scene
-        width, height = request.size
-        return self._smaller_images.of(scene, camera, (width * settings.supersampling, height * settings.supersampling))
 
     def tell_error(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> None:
         """Find out the `error` of the picture that was made last, which is in its file by now.

@@ -77,14 +77,14 @@ def decode_levels(image: TextureImage, channels: str, encoding: Encoding) -> lis
 
     They are uint8 (encoded as sRGB if the image is) or uint16. sRGB images with 16 bits are decoded to linear float16.
     Those of normals have a fourth channel for the spread of the normals (`with_spread`). Those of RGBC have the colours
-    that are seen. The largest levels are left out, as many as the image's `halvings`.
+    that are seen.
     """
-    if encoding == "normal":  # decoded whole, since the spread is that among its texels
-        return with_spread(mip_levels(image.decode("RGB")), image.halvings)
+    if encoding == "normal":
+        return with_spread(mip_levels(image.decode("RGB")))
     is_srgb = encoding == "srgb"
     pixels = _pixels(image, channels, is_srgb)
     levels = mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers="C" in channels)
-    return (without_hidden(levels) if channels == "RGBC" else levels)[image.halvings:]
+    return without_hidden(levels) if channels == "RGBC" else levels
 
 
 def _pixels(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:

@@ -22,20 +22,18 @@ _GROOVED_LEVEL = 3  # of the levels, that which tells whether a map is full of g
 _FEW_TEXELS = 16  # a level with fewer tells nothing
 
 
-def with_spread(levels: list[np.ndarray], first: int = 0) -> list[np.ndarray]:
+def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
     """The mip levels of a normal map, (H, W, 3) uint8 or uint16, with a fourth channel: 1 - spread.
 
     spread = sqrt(2 sqrt(det(covariance of x and y, less that of rounding))), with x and y in [-1, 1]. It is 0 in the
     first level, and at most 1 for unit normals. A texture without the channel reads as 1, no spread.
-
-    The levels before `first` count, but are not returned.
 
     Maps full of grooves have three more channels: the elements xx, yy and xy of the symmetric square root of that
     covariance, the last as 128 / 255 + xy.
     """
     full = np.iinfo(levels[0].dtype).max
     with_alpha = [np.empty((*level.shape[:2], 4), level.dtype) for level in levels]
-    for rows in _bands(levels[0]) if first == 0 else ():
+    for rows in _bands(levels[0]):
         _join(with_alpha[0][rows], levels[0][rows], full)
     before: np.ndarray | None = None
     covariances: list[np.ndarray] = []
@@ -57,8 +55,8 @@ def with_spread(levels: list[np.ndarray], first: int = 0) -> list[np.ndarray]:
     if len(covariances) >= _GROOVED_LEVEL and _are_grooves(covariances[_GROOVED_LEVEL - 1]):
         covariances.insert(0, np.zeros((3, *levels[0].shape[:2]), np.float32))
         return [np.concatenate([level, _root(covariance, full).astype(level.dtype)], axis=2)
-                for level, covariance in zip(with_alpha[first:], covariances[first:], strict=True)]
-    return with_alpha[first:]
+                for level, covariance in zip(with_alpha, covariances, strict=True)]
+    return with_alpha
 
 
 def _are_grooves(covariance: np.ndarray) -> bool:

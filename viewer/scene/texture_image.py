@@ -6,7 +6,7 @@ import io
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -35,8 +35,7 @@ class TextureImage:
 
     `bits` is the depth of a channel, 8 or 16. `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...) or "KTX2". `grey`
     is True if the image has no colour, and `has_alpha` if texels may be transparent. `neutral`, RGBA in [0, 1], is the
-    colour of all texels if the data cannot be decoded. A texture of the image has `halvings` fewer mip levels, the
-    largest of them.
+    colour of all texels if the data cannot be decoded.
     """
 
     name: str
@@ -48,7 +47,6 @@ class TextureImage:
     grey: bool = False
     has_alpha: bool = True
     neutral: RGBA = WHITE
-    halvings: int = 0
     problems: list[str] = field(default_factory=list, init=False, repr=False, compare=False)
     """Why the data does not decode, once that was tried; empty otherwise."""
 
@@ -57,13 +55,7 @@ class TextureImage:
 
     def digest_parts(self) -> tuple[object, ...]:
         """What the pixels depend on, for `base.digest`."""
-        return self.data, self.neutral, self.halvings
-
-    def smaller(self, halvings: int) -> TextureImage:
-        """The same image for smaller textures. Both have one list of problems."""
-        image = replace(self, halvings=halvings)
-        object.__setattr__(image, "problems", self.problems)
-        return image
+        return self.data, self.neutral
 
     def decode(self, channels: str | None = None) -> np.ndarray:
         """The pixels as stored, (H, W, C) uint8 or uint16, row 0 at the top. No colour space is applied.
