@@ -65,6 +65,14 @@ def test_a_plain_picture_imports_nothing_that_other_pictures_need(tmp_path):
     assert [name for name in found if name.startswith("viewer.trace")] == []
 
 
+def test_the_end_is_that_of_python():
+    """Functions that are registered for it are called, what was printed is written, and the status is that of main."""
+    code = "import atexit\nfrom viewer.__main__ import main\natexit.register(print, 'the', 'last', end='')\nmain()"
+    for words, status in (("--help", 0), ("--halp", 2)):
+        done = subprocess.run([sys.executable, "-c", code, words], capture_output=True, text=True)
+        assert (done.returncode, done.stdout[-8:]) == (status, "the last")
+
+
 def test_no_library_tells_of_leaks_at_the_end():
     """Modules made by nanobind, such as OpenImageIO, do where Python does not free their types."""
     code = "import sys, OpenImageIO\nfrom viewer.__main__ import main\nsys.argv[1:] = ['--help']\nmain()"
