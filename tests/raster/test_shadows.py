@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from shapes import WHITE, facing_floor, moved, orthographic, pixel_points, plate, scene, seen_plane, sphere
 
-from viewer.raster.shadows import light_tiles
+from viewer.raster import shadows
+from viewer.raster.shadows import draw_meshes, light_tiles
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions, texel_solid_angles
 from viewer.scene.light import Light
@@ -214,3 +216,16 @@ def test_the_sun_of_an_environment(radiance, rotation):
     sky = around  # an irradiance of pi around, over pi; what the ball hides of it is not modelled
     assert np.abs(picture[outside] / (lux * np.sin(elevation) / np.pi + sky) - 1).max() < 0.01
     assert np.abs(picture[inside] / sky - 1).max() < 0.01
+
+
+def test_triangles_that_wait_to_be_drawn_are_bounded(monkeypatch):
+    """Of three plates in four maps, at most five triangles wait: the driver is waited for after six."""
+    monkeypatch.setattr(shadows, "_MOST_WAITING", 5)
+    plates = scene(plate(), plate(), plate())
+    draws = [SimpleNamespace(mesh=k, instances=()) for k in range(3)]
+    tiles = light_tiles(LIGHTS["directional"], plates, 64) * 4
+    calls: list[str] = []
+    target = SimpleNamespace(ctx=SimpleNamespace(finish=lambda: calls.append("wait")))
+    draw_meshes(target, [(0, 0, 64, 64)] * 4, plates, tiles, draws,
+                lambda draw, to_center: lambda matrix, place: calls.append("draw"))
+    assert calls == [*["draw"] * 3, "wait"] * 4
