@@ -200,6 +200,7 @@ class PathRender:
                 break
             wanted += self._without_sky(work)
         if wanted:
+            wanted.sort()  # by tiles: paths side by side then read the same triangles and texels, which caches keep
             blocks = free[: len(wanted)]
             wavefront.assign(blocks, wanted)
             self._passes.begin(wavefront, blocks)
