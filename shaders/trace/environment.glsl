@@ -37,16 +37,18 @@ float environment_pdf(vec3 d) {
     return u_environment_share * uintBitsToFloat(texelFetch(u_environment_table, cell, 0).z);
 }
 
-// Samples a direction. u.yz choose a cell uniformly, and u.x decides between the cell and its alias. The fractions of
-// u.yz within the cell then place the direction uniformly by solid angle. If one number chose among all cells, fewer
-// bits of it would be left for the place within the cell.
+// Samples a direction. u.xy choose a cell uniformly, and u.z decides between the cell and its alias. The fractions of
+// u.xy within the cell then place the direction uniformly by solid angle. If one number chose among all cells, fewer
+// bits of it would be left for the place within the cell. The aliases of neighbours are neighbours
+// (viewer/trace/scene/environment.py), so that points which are stratified in the square stay so on the sphere. Those
+// of the first two dimensions of a Sobol sequence are so in all dyadic rectangles.
 vec3 sample_environment(vec3 u, out float pdf) {
     ivec2 cells = textureSize(u_environment_table, 0);
-    vec2 position = u.zy * vec2(cells);
+    vec2 position = u.xy * vec2(cells);
     ivec2 cell = min(ivec2(position), cells - 1);
     vec2 inside = position - vec2(cell);
     uvec4 entry = texelFetch(u_environment_table, cell, 0);
-    bool is_own = u.x < uintBitsToFloat(entry.x);
+    bool is_own = u.z < uintBitsToFloat(entry.x);
     if (!is_own) cell = ivec2(entry.y & 0xffffu, entry.y >> 16);
     pdf = u_environment_share * uintBitsToFloat(is_own ? entry.z : entry.w);
 

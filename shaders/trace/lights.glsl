@@ -30,12 +30,12 @@ uniform ivec2 u_light_grid; // the table's columns and rows
 
 // Chooses a light; `rest` is in [0, 1)^2 and independent of the choice.
 int choose_light(vec3 u, out float probability, out vec2 rest) {
-    rest = u.zy * vec2(u_light_grid); // as in sample_environment
+    rest = u.xy * vec2(u_light_grid); // as in sample_environment
     ivec2 cell = min(ivec2(rest), u_light_grid - 1);
     rest -= vec2(cell);
     int k = cell.y * u_light_grid.x + cell.x;
     uvec4 entry = scene_uint4(u_lights + k);
-    bool is_own = u.x < uintBitsToFloat(entry.x);
+    bool is_own = u.z < uintBitsToFloat(entry.x);
     if (!is_own) k = int(entry.y);
     probability = uintBitsToFloat(is_own ? entry.z : entry.w);
     return k;
@@ -137,11 +137,11 @@ LightSample sample_finite_light(vec3 p, vec3 n, vec3 u) {
 LightSample sample_light(vec3 p, vec3 n, vec3 u) {
     LightSample s = LightSample(vec3(0.0, 1.0, 0.0), FAR, vec3(0.0), 0.0, false);
 #if HAS_ENVIRONMENT && (HAS_PUNCTUAL || HAS_EMITTERS)
-    if (u.x >= u_environment_share) {
-        u.x = (u.x - u_environment_share) / (1.0 - u_environment_share);
+    if (u.z >= u_environment_share) {
+        u.z = (u.z - u_environment_share) / (1.0 - u_environment_share);
         return sample_finite_light(p, n, u);
     }
-    u.x /= u_environment_share;
+    u.z /= u_environment_share;
 #elif HAS_PUNCTUAL || HAS_EMITTERS
     return sample_finite_light(p, n, u);
 #endif

@@ -1,4 +1,4 @@
-"""Alias tables: choose one of many weighted items with one look-up."""
+"""Alias tables: choose one of many weighted items, or cells of a grid, with one look-up."""
 
 from __future__ import annotations
 
@@ -32,3 +32,26 @@ def alias_table(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     threshold[heavy[:-1]] = np.clip(1 + excess[:-1] - taken, 0, 1)
     alias[heavy[:-1]] = heavy[1:]
     return threshold, alias
+
+
+def alias_grid(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As `alias_table` for the cells of a grid, (rows, columns): flat arrays, row by row.
+
+    Light cells are filled in the order of a Z-order curve (Morton 1966) by heavy ones in the same order. So cells of a
+    square whose side is a power of two have the cells of a compact place as their aliases, and points that are
+    stratified in the grid are stratified among the heavy cells, too.
+    """
+    rows, columns = weights.shape
+    codes = _spread_bits(np.arange(columns)) | _spread_bits(np.arange(rows))[:, None] << 1
+    order = np.full(codes.max() + 1, -1)
+    order[codes.ravel()] = np.arange(weights.size)
+    order = order[order >= 0]
+    threshold, alias = np.empty(weights.size), np.empty(weights.size, np.uint32)
+    threshold[order], along = alias_table(weights.ravel()[order])
+    alias[order] = order[along]
+    return threshold, alias
+
+
+def _spread_bits(numbers: np.ndarray) -> np.ndarray:
+    """The numbers, below 2^16, with a zero after each of their bits."""
+    return sum((numbers >> bit & 1) << 2 * bit for bit in range(16))

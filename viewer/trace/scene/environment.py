@@ -13,7 +13,7 @@ from ...gpu.programs import set_uniform
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.equirect import texel_solid_angles
-from .alias import alias_table
+from .alias import alias_grid
 
 UNITS = {"u_environment": 11, "u_environment_table": 10, "u_background": 15}
 """Texture units, below and above those of viewer/trace/scene/scene_data.py."""
@@ -75,7 +75,7 @@ class EnvironmentTable:
         self._map.repeat_x = True
         self._blur, self._blurred = 0.0, self._map
         densities, solid_angles = cell_densities(radiance)
-        threshold, alias = alias_table((densities * solid_angles).ravel())
+        threshold, alias = alias_grid(densities * solid_angles)
         density = densities.ravel().astype(np.float32)
         texels = np.empty((len(alias), 4), np.uint32)
         texels[:, 0] = threshold.astype(np.float32).view(np.uint32)
