@@ -1,9 +1,9 @@
 // The weight of a direction that was sampled with density p, where the other technique has the density q for it.
-// Power heuristic of Veach & Guibas 1995, "Optimally Combining Sampling Techniques": p^2 / (p^2 + q^2), written with
-// the ratio so that neither square leaves the range of float32.
+// Balance heuristic of Veach & Guibas 1995, "Optimally Combining Sampling Techniques", which is what the density of
+// light samples is made for (Karlik et al. 2019, "MIS Compensation"; viewer/trace/scene/environment.py). The power
+// heuristic has more variance (benchmarks/results/trace_variance.md).
 float mis_weight(float p, float q) {
-    float ratio = q / p;
-    return 1.0 / (1.0 + ratio * ratio);
+    return 1.0 / (1.0 + q / p);
 }
 
 // The weights of light that a BSDF sample hit and of light that was sampled itself. SAMPLING: 0 combines both
