@@ -54,4 +54,5 @@ def alias_grid(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _spread_bits(numbers: np.ndarray) -> np.ndarray:
     """The numbers, below 2^16, with a zero after each of their bits."""
-    return sum((numbers >> bit & 1) << 2 * bit for bit in range(16))
+    bits = np.arange(16)
+    return ((numbers[:, None] >> bits & 1) << 2 * bits).sum(axis=1)
