@@ -6,25 +6,21 @@
 // with more than two surfaces, which is rare, all other samples are shaded as the second one.
 #include "raster/planes.glsl"
 
-uniform usampler2DMS u_triangle_samples;  // number of the triangle, from 1; 0: none
+uniform usampler2DMS u_triangle_samples; // number of the triangle; 0: none
 uniform mat3 u_ray, u_ray_origin; // (x, y, 1) in normalised device coordinates to a ray's direction, and to its start
 uniform vec3 u_eye;               // from the scene's centre
 uniform vec2 u_pixel;             // size of a pixel: x + y times the distance
 
 in vec2 v_ndc;
-// The first and the second triangle, 0 for the background, and in the bits from 24 on the samples of each. BACKGROUND:
-// it is one of these, too.
+// The first and the second triangle, 0 for the background, and in the last four bits the samples of each. BACKGROUND: it
+// is one of these, too.
 layout(location = 0) out uvec2 o_chosen;
 
 // `o`: where the ray through the pixel's middle starts; `d`: its direction, 1 along the camera's axis.
 bool are_alike(vec4 a, vec4 b, vec3 o, vec3 d) {
-    vec2 squares = vec2(dot(a.xyz, a.xyz), dot(b.xyz, b.xyz)), along = vec2(dot(a.xyz, d), dot(b.xyz, d));
-    float cosine = dot(a.xyz, b.xyz), object = squares.x;
-    vec2 t = -vec2(dot(a.xyz, o) + a.w, dot(b.xyz, o) + b.w) / along;
-    vec2 apart = (t.x - t.y) * along;
-    float nearest = 0.25 * (u_pixel.x + u_pixel.y * t.x);
-    return abs(squares.x - squares.y) < 0.5 + 1e-5 * object && cosine > 0.9 * object
-        && max(apart.x * apart.x, apart.y * apart.y) < nearest * nearest * object;
+    vec2 along = vec2(dot(a.xyz, d), dot(b.xyz, d));
+    vec2 t = -vec2(dot(a.xyz, o) + a.w, dot(b.xyz, o) + b.w) / along, apart = abs((t.x - t.y) * along);
+    return dot(a.xyz, b.xyz) > 0.9 && max(apart.x, apart.y) < 0.25 * (u_pixel.x + u_pixel.y * t.x);
 }
 
 void main() {
@@ -37,15 +33,15 @@ void main() {
         covered |= triangles[k] != 0u ? 1u << k : 0u;
         same |= triangles[k] != 0u && triangles[k] == first ? 1u << k : 0u;
     }
-    gl_FragDepth = FAR;
-    // Loops and not ifs: llvmpipe skips what no pixel at hand needs only in loops.
-    for (bool is_hit = covered != 0u; is_hit; is_hit = false) gl_FragDepth = object_depth(plane_of(first));
+    gl_FragDepth = covered != 0u ? object_depth(first) : FAR;
+    // A loop and not an if: llvmpipe skips what no pixel at hand needs only in loops.
     for (bool is_mixed = same != covered; is_mixed; is_mixed = false) {
         vec3 d = u_ray * vec3(v_ndc, 1.0), o = u_ray_origin * vec3(v_ndc, 1.0) + u_eye;
         vec4 plane = plane_of(first);
         for (int k = 1; k < SAMPLES; ++k) {
             bool is_other = (covered & ~same & 1u << k) != 0u;
-            bool is_alike = is_other && are_alike(plane, plane_of(triangles[k]), o, d);
+            bool is_alike = is_other && triangles[k] >> TRIANGLE_BITS == first >> TRIANGLE_BITS
+                && are_alike(plane, plane_of(triangles[k]), o, d);
             same |= is_alike ? 1u << k : 0u;
             second = is_other && !is_alike && second == 0u ? triangles[k] : second;
         }
@@ -53,5 +49,5 @@ void main() {
 #if BACKGROUND
     covered = all;
 #endif
-    o_chosen = uvec2(first | same << 24, second | (covered & ~same) << 24);
+    o_chosen = uvec2(first | same << 28, second | (covered & ~same) << 28);
 }

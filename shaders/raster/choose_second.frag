@@ -6,7 +6,6 @@ uniform usampler2D u_chosen;
 void main() {
     const uint all = (1u << SAMPLES) - 1u;
     uvec2 chosen = texelFetch(u_chosen, ivec2(gl_FragCoord.xy), 0).xy;
-    uint triangle = chosen.y & 0xffffffu, first = chosen.x >> 24;
-    gl_FragDepth = first == all || first == 0u ? NOTHING : FAR;
-    for (bool is_hit = triangle != 0u; is_hit; is_hit = false) gl_FragDepth = object_depth(plane_of(triangle));
+    uint number = chosen.y & 0xfffffffu, first = chosen.x >> 28;
+    gl_FragDepth = number != 0u ? object_depth(number) : first == all || first == 0u ? NOTHING : FAR;
 }

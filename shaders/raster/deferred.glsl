@@ -2,9 +2,9 @@
 // Visibility Buffer"). The triangle's number comes from raster/choose.frag.
 #include "raster/material.glsl"
 
-uniform usampler2D u_chosen;   // x, y: number of the triangle of the first and of the second surface in the pixel
+uniform usampler2D u_chosen;   // x, y: the triangle of the first and of the second surface in the pixel
 uniform int u_layer;           // 0: shade the first, 1: the second
-uniform uint u_first_triangle; // the number of the mesh's first triangle
+uniform uint u_first_triangle; // the number of the mesh's first triangle, with its object's
 uniform uint u_triangles;      // how many it has
 uniform samplerBuffer u_geometry; // a texel for each triangle, its vertices; then four for each vertex
 uniform mat4 u_model;
@@ -19,7 +19,7 @@ vec4 geometry(int texel) {
 }
 
 void find_surface() {
-    uvec2 chosen = texelFetch(u_chosen, ivec2(gl_FragCoord.xy), 0).xy & 0xffffffu;
+    uvec2 chosen = texelFetch(u_chosen, ivec2(gl_FragCoord.xy), 0).xy & 0xfffffffu;
     uint triangle = (u_layer == 0 ? chosen.x : chosen.y) - u_first_triangle;
     bool is_mine = triangle < u_triangles; // not in pixels that only help with derivatives
     vec3 corners = geometry(is_mine ? int(triangle) : 0).xyz;

@@ -7,7 +7,7 @@ out vec4 o_color;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    uvec2 bits = texelFetch(u_chosen, pixel, 0).xy >> 24;
+    uvec2 bits = texelFetch(u_chosen, pixel, 0).xy >> 28;
     vec4 sum = vec4(0.0), first = texelFetch(u_first, pixel, 0);
     vec2 seen = vec2(0.0);
     for (int k = 0; k < SAMPLES; ++k) {

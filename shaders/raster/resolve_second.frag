@@ -11,7 +11,7 @@ layout(location = 0, index = 1) out vec4 o_first;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    uvec2 bits = texelFetch(u_chosen, pixel, 0).xy >> 24;
+    uvec2 bits = texelFetch(u_chosen, pixel, 0).xy >> 28;
     vec4 second = texelFetch(u_second, pixel, 0), sum = vec4(0.0);
     vec2 seen = vec2(0.0);
 #if OVER

@@ -155,12 +155,12 @@ def test_planes_and_boxes():
     model = still_life()
     mesh, matrix = model.meshes[1], model.instances[1].transform
     triangles = mesh.indices.reshape(-1, 3)
-    planes = _planes(mesh.positions, triangles, matrix, model, 3).astype(np.float64)
+    planes = _planes(mesh.positions, triangles, matrix, model).astype(np.float64)
     points = (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3] - model.center) / model.radius
     corners = points[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     sized = area > 1e-9  # not those at the poles, which have none
-    np.testing.assert_allclose(np.linalg.norm(planes[sized, :3], axis=1), 3, rtol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(planes[sized, :3], axis=1), 1, rtol=1e-6)
     off = (points[triangles] * planes[:, None, :3]).sum(axis=2) + planes[:, None, 3]
     assert np.abs(off[sized]).max() < 1e-5
     frame = Frame(model, CAMERA, SIZE)

@@ -11,8 +11,10 @@ from .samplers import MAX_SAMPLERS, sampler_count
 
 MOST_VERTICES = 1 << 20
 """In one mesh: its vertices and triangles are texels, and indices of vertices are floats there."""
-_MOST_OBJECTS, _MOST_TRIANGLES = 64, (1 << 24) - 1
-"""In one picture: each object takes a pass over the pixels that it may touch, and a triangle's number has 24 bits."""
+TRIANGLE_BITS = 22
+_MOST_OBJECTS, _MOST_TRIANGLES = 64, (1 << TRIANGLE_BITS) - 1
+"""In one picture: each object takes a pass over the pixels that it may touch, and a triangle's number has these bits
+beside the six of its object and four for samples."""
 MOST_TEXELS = max(5 * MOST_VERTICES, _MOST_TRIANGLES)
 """Of a buffer: a mesh has one for each triangle and four for each vertex, a picture one for each triangle."""
 _NEEDS_VERTICES = ("HAS_COLOR", "INDIRECT", "SUBSURFACE", "WOVEN", "INSTANCED")

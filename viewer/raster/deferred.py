@@ -23,6 +23,7 @@ from ..gpu.buffer_texture import BufferTexture
 from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
+from ..plan.deferral import TRIANGLE_BITS
 from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
 from ..scene.scene import Scene
@@ -30,13 +31,13 @@ from ..scene.triangles import triangles_of
 from .depth import Depth
 from .gbuffer import nearest_texture
 from .geometry import MeshBuffers
-from .surface_programs import FULLSCREEN
+from .surface_programs import FULLSCREEN, TRIANGLES
 from .surfaces import Surfaces
 from .target import Target
 from .units import UNIT_CHOSEN, UNIT_GEOMETRY, UNIT_RADIANCE
 
 _OBJECTS = 1 << 20
-"""Objects have numbers below, which are stored as depths: number / _OBJECTS is exact."""
+"""Objects are stored as depths: (number + 1) / _OBJECTS is exact."""
 _NOTHING = 0.5
 """The depth where no surface is the second one: neither an object's nor the background's."""
 _COLOR, _DEPTH = 0x1800, 0x1801  # of glClearBuffer
@@ -66,7 +67,7 @@ class DeferredSurfaces:
         others = [instance for draw in plan.draws if not draw.is_deferred
                   for instance in draw.instances or (draw.instance,) if frame.visible[instance]]
         over = _union([pixel_box(frame, instance, part) for instance in others])
-        layers.clear(_union([*boxes.values(), over]), over)
+        layers.clear(self._programs, _union([*boxes.values(), over]), over)
         self._draw_triangles(frame, plan, layers, triangles, uniforms)
         self._choose(frame, layers, triangles)
         for number in range(2):
@@ -89,7 +90,7 @@ class DeferredSurfaces:
                   "u_eye": tuple(-frame.position(frame.scene.center)), "u_pixel": (across, frame.pixel_angle)}
         layers.numbers.color_attachments[0].use(UNIT_RADIANCE)
         gl.enable_only(moderngl.DEPTH_TEST)
-        switches = {"OBJECTS": float(_OBJECTS), "FAR": self._depth.far, "SAMPLES": layers.samples}
+        switches = {"TRIANGLE_BITS": TRIANGLE_BITS, "OBJECTS": float(_OBJECTS), "FAR": self._depth.far, "SAMPLES": layers.samples}
         with self._depth.all():
             for fragment, defines, framebuffer in (
                     ("raster/choose.frag", switches | {"BACKGROUND": int(layers.has_background)},
@@ -120,7 +121,7 @@ class DeferredSurfaces:
         def show(draw: Draw, mesh: MeshBuffers, program: moderngl.Program) -> None:
             mesh.triangles_and_vertices.bind(program, "u_geometry", UNIT_GEOMETRY)
             framebuffer.scissor = boxes[draw.instance]
-            with self._depth.only_at(triangles.numbers[draw.instance] / _OBJECTS):
+            with self._depth.only_at((triangles.objects[draw.instance] + 1) / _OBJECTS):
                 fullscreen(self._context.gl, program).render(vertices=3)
 
         framebuffer.use()
@@ -167,7 +168,7 @@ class Layers:
     def fits(self, target: Target, in_place: bool) -> bool:
         return self._target is target and self._in_place == in_place
 
-    def clear(self, box: tuple[int, int, int, int], over: tuple[int, int, int, int]) -> None:
+    def clear(self, programs: Programs, box: tuple[int, int, int, int], over: tuple[int, int, int, int]) -> None:
         """Clear what the frame reads, with `in_place` also the target, for a frame of this `box` and `over`."""
         self.box, self.over, in_place = box, over, self._in_place
         self.choosing.scissor, self.numbers.scissor = self._target.part, box
@@ -178,12 +179,17 @@ class Layers:
             self._target.framebuffer.scissor = over
             self._target.framebuffer.use()
             self._clear_floats(_COLOR, 0, (ctypes.c_float * 4)())
-        for framebuffer, color, depth in ((self.choosing, not in_place, True), (self.numbers, True, in_place)):
-            framebuffer.use()
-            if color:
-                self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)())
-            if depth:
-                self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(self._depth.far))
+        self.choosing.use()
+        if not in_place:
+            self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)())
+        self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(self._depth.far))
+        # With a scissor, OpenGL in software draws a rectangle for each buffer; here one triangle, 0, clears both.
+        program = programs.get(FULLSCREEN, TRIANGLES.fragment, {})
+        set_uniform(program, "u_first_triangle", 0)
+        self.numbers.use()
+        self._gl.enable_only(moderngl.DEPTH_TEST if in_place else moderngl.NOTHING)
+        with self._depth.as_far():
+            fullscreen(self._gl, program).render(vertices=3)
 
     def resolve(self, programs: Programs, unit: int) -> None:
         """As `Behind.resolve`."""
@@ -233,16 +239,16 @@ class Triangles:
     def __init__(self, context: Context, scene: Scene, draws: list[Draw]) -> None:
         self._key = _key(scene, draws)
         self.first: dict[int, int] = {}
-        """The number of the first triangle of each instance, from 1."""
-        self.numbers = {draw.instance: k for k, draw in enumerate(draws, start=1)}
-        """The number of each instance."""
+        """The number of the first triangle of each instance (shaders/raster/planes.glsl)."""
+        self.objects = {draw.instance: k for k, draw in enumerate(draws)}
+        """The number of each instance, from 0."""
         planes, count = [], 0
         for draw in draws:
             mesh = scene.meshes[draw.mesh]
             matrix = scene.instances[draw.instance].transform
-            self.first[draw.instance] = count + 1
+            self.first[draw.instance] = self.objects[draw.instance] << TRIANGLE_BITS | (count + 1)
             count += mesh.triangle_count
-            planes.append(_planes(mesh.positions, triangles_of(mesh), matrix, scene, self.numbers[draw.instance]))
+            planes.append(_planes(mesh.positions, triangles_of(mesh), matrix, scene))
         self.planes = BufferTexture(context, np.concatenate(planes))
 
     def fits(self, scene: Scene, draws: list[Draw]) -> bool:
@@ -259,17 +265,15 @@ def _key(scene: Scene, draws: list[Draw]) -> tuple[object, ...]:
     return *placed, *scene.center.tolist(), scene.radius
 
 
-def _planes(positions: np.ndarray, triangles: np.ndarray, matrix: np.ndarray, scene: Scene,
-            number: int) -> np.ndarray:
-    """n and d of n p + d = 0 for each triangle, (T, 4) float32. p is about the scene's centre, in its radius.
-
-    |n| is `number`. Those of a mirrored mesh have their normals turned, which are only compared with one another.
+def _planes(positions: np.ndarray, triangles: np.ndarray, matrix: np.ndarray, scene: Scene) -> np.ndarray:
+    """n and d of n p + d = 0 for each triangle, (T, 4) float32, with |n| = 1. p is about the scene's centre, in its
+    radius. Those of a mirrored mesh have their normals turned, which are only compared with one another.
     """
     to_scene = (matrix[:3, :3] / scene.radius).T
     middle = (matrix[:3, 3] - scene.center) / scene.radius
     corners = positions.astype(np.float64)[triangles] @ to_scene + middle
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals *= number / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return np.concatenate([normals, -(normals * corners[:, 0]).sum(axis=1, keepdims=True)], axis=1).astype(np.float32)
 
 

@@ -86,6 +86,12 @@ class Depth:
         self._gl.depth_func = self._nearer
 
     @contextmanager
+    def as_far(self) -> Iterator[None]:
+        """Let all pixels that a full-screen triangle covers store the far plane, within `test()`."""
+        with self._at(self.far, "1"):
+            yield
+
+    @contextmanager
     def on_surfaces(self) -> Iterator[None]:
         """Restrict a full-screen triangle to the pixels that have a surface, within `test()`."""
         with self._at(self.far, "<" if self.is_reversed else ">"):
