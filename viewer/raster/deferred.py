@@ -90,7 +90,8 @@ class DeferredSurfaces:
                   "u_eye": tuple(-frame.position(frame.scene.center)), "u_pixel": (across, frame.pixel_angle)}
         layers.numbers.color_attachments[0].use(UNIT_RADIANCE)
         gl.enable_only(moderngl.DEPTH_TEST)
-        switches = {"TRIANGLE_BITS": TRIANGLE_BITS, "OBJECTS": float(_OBJECTS), "FAR": self._depth.far, "SAMPLES": layers.samples}
+        switches = {"TRIANGLE_BITS": TRIANGLE_BITS, "OBJECTS": float(_OBJECTS), "FAR": self._depth.far,
+                    "SAMPLES": layers.samples}
         with self._depth.all():
             for fragment, defines, framebuffer in (
                     ("raster/choose.frag", switches | {"BACKGROUND": int(layers.has_background)},
