@@ -21,6 +21,7 @@ from viewer.interact.state import ViewState
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.settings import Settings
+from viewer.trace.paths.schedule import PILOT
 from viewer.trace.tracer import Tracer
 
 SIZE = (72, 56)
@@ -235,6 +236,24 @@ def test_a_time_budget_ends_it(hand):
     hand.state.settings = replace(PLAIN, spp=None, time_budget=0.2)
     hand.rest()
     assert hand.paths.is_done and 0.2 <= hand.paths._path_render.seconds < 10 and hand.paths.picture is not None
+
+
+def test_an_error_that_is_reached_ends_it(hand, monkeypatch):
+    """Before, it went on to the samples after which tiles get different numbers."""
+    monkeypatch.setattr(convergence, "UPDATE_SECONDS", (0.0, 0.0))
+    hand.state.settings = replace(PLAIN, spp=None, error=0.5)
+    hand.rest()
+    assert convergence.ENOUGH <= hand.paths.progress.samples < PILOT and hand.paths.progress.error <= 0.5
+    assert hand.paths.is_done and hand.paths.picture is not None and hand.paths.status().endswith("done")
+
+
+def test_compiling_counts_for_no_time_budget(hand, monkeypatch):
+    hand.paths._prepared_meshes = None
+    hand.state.settings = replace(PLAIN, spp=None, time_budget=0.2)
+    hand.until(lambda: hand.paths._path_render is not None)
+    assert 0 < hand.paths._compiled == hand.paths._path_render.seconds and not hand.paths.is_done
+    hand.rest()
+    assert hand.paths._path_render.seconds >= hand.paths._compiled + 0.2
 
 
 def test_a_time_budget_waits_for_a_sample_of_every_pixel(hand, monkeypatch):

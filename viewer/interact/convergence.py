@@ -38,6 +38,10 @@ CONVERGED = 0.01
 """Below this relative error the samples are shown without denoising, since the noise is no longer visible."""
 DEFAULT_STOPPING = {"spp": MAX_SPP, "error": 0.002}
 """The rules that end a picture if the settings have none."""
+ENOUGH = 16
+"""Samples a pixel whose noise is known well enough to end by it."""
+COMPILING = 4
+"""Iterations in which a scene's programs are used for the first time: two of each wavefront."""
 _UNUSED_SETTINGS = ("exposure", "tonemap", "denoise", *ignored("path"))
 """The settings that do not change the samples: those of the display, and those that mode path ignores."""
 _UNIT = 0
@@ -86,6 +90,8 @@ class Convergence:
         self._announced_meshes: object = None
         self._prepared_meshes: object = None
         self._begins_at: float | None = None
+        self._compiled = 0.0
+        """Seconds of tracing that its programs took to compile."""
         self._begun_for = "off"
         """The denoiser that the film has layers and parts for."""
         self._filter: Iterator[None] | None = None
@@ -97,12 +103,15 @@ class Convergence:
     @property
     def is_done(self) -> bool:
         """Whether the picture is finished: no more samples will be added. A time budget does not end it before it is
-        whole, unless it is to be mixed with the raster's picture, which stays then."""
+        whole, unless it is to be mixed with the raster's picture, which stays then. An error ends it when what the user
+        reads is at most that."""
         if self._path_render is None:
             return False
-        budget, is_mixed = self._settings().time_budget, self._state.settings.denoise == "raster"
-        is_over = budget is not None and self._path_render.seconds >= budget
-        return self._path_render.is_done or (is_over and (is_mixed or self._path_render.is_whole))
+        settings, told, is_mixed = self._settings(), self.progress, self._state.settings.denoise == "raster"
+        budget, target = settings.time_budget, settings.error
+        is_over = budget is not None and self._path_render.seconds - self._compiled >= budget
+        is_reached = target is not None and told is not None and told.samples >= ENOUGH and told.error <= target
+        return self._path_render.is_done or is_reached or (is_over and (is_mixed or self._path_render.is_whole))
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -219,8 +228,11 @@ class Convergence:
         camera, size = self._view
         settings = replace(self._settings(), denoise=self._begun_for)
         self._guide = self._draw_guide(camera, settings, size)
-        self._path_render = tracer.begin(self._state.scene, camera, settings, size, guide=self._guide,
-                                         is_interactive=True)
+        render = self._path_render = tracer.begin(self._state.scene, camera, settings, size, guide=self._guide,
+                                                  is_interactive=True)
+        for _ in range(COMPILING if self._prepared_meshes is not self._state.scene.meshes else 0):
+            render.step(0.0)
+        self._compiled = render.seconds
         self._shown_of, self._update_at, self._filter_at = (0.0, ""), 0.0, 0.0
 
     @property
