@@ -10,7 +10,7 @@ import numpy as np
 
 from viewer.gpu.context import Context
 from viewer.trace.kinds import SURFACE, Kind
-from viewer.trace.rays.intersect import Intersector
+from viewer.trace.rays.intersect import Intersector, WholeTextures
 from viewer.trace.scene.curves import TraceCurves
 
 
@@ -70,14 +70,18 @@ def soup(count: int, size: float, seed: int = 0) -> Mesh:
     return mesh(centers + size * rng.normal(size=(count, 3, 3)), np.arange(3 * count))
 
 
-def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespace:
+class Textures(WholeTextures, SimpleNamespace):
+    pass
+
+
+def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> Textures:
     """A wavefront whose paths are all idle."""
     names, zeros = ("origin", "direction", "shadow_origin", "shadow_vector"), bytes(16 * size[0] * size[1])
     textures = {name: gl.texture(size, 4, zeros, dtype="f4") for name in names}
-    wavefront = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
+    wavefront = Textures(**textures, hit=gl.texture(size, 4, dtype="u4"))
     for texture in vars(wavefront).values():
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    wavefront.along, wavefront.rows, wavefront.sees_backs = None, size[1], False
+    wavefront.along = None
     return wavefront
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..gpu.context import Context
 from ..scene.scene import Scene
 from .layout import IN_FLIGHT, INSTANCE_MASK, MISS
-from .rays.intersect import make_intersector
+from .rays.intersect import WholeTextures, make_intersector
 from .scene.geometry import TraceGeometry, trace_geometry
 from .surface_points import SurfacePoints, SurfaceTriangles, fit, interpolate, sample_surfaces, surface_triangles, unit
 from .vertex_light import VertexLight
@@ -171,7 +171,7 @@ def _tangents(n: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.f
     return x, np.cross(n, x)
 
 
-class _Rays:
+class _Rays(WholeTextures):
     """The textures that `viewer.trace.rays.intersect.WavefrontTextures` describes, one ray a texel."""
 
     def __init__(self, gl: moderngl.Context, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> None:
@@ -182,7 +182,7 @@ class _Rays:
         self.shadow_origin = self.shadow_vector = self.medium = _texture(gl, size, np.zeros((0, 4)))
         self.hit = gl.texture(size, 4, dtype="u4")
         self.hit.filter = moderngl.NEAREST, moderngl.NEAREST
-        self.along, self.rows, self.sees_backs = None, size[1], False
+        self.along = None
 
     def read_hits(self) -> NDArray[np.uint32]:
         return np.frombuffer(self.hit.read(), np.uint32).reshape(-1, 4)[:self._count]

@@ -14,6 +14,7 @@ from ...gpu.programs import Programs, set_uniform
 from ...scene.frame import Frame
 from ...scene.scene import Scene
 from ...settings import Settings
+from ...trace.rays.intersect import WholeTextures
 from ..gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from ..units import UNIT_RAY_POSITIONS, UNIT_REFLECTED
 
@@ -61,7 +62,7 @@ class TracedReflections:
         self._rays.release()
 
 
-class _Rays:
+class _Rays(WholeTextures):
     """The textures that `viewer.trace.rays.intersect.WavefrontTextures` describes, one path per G-buffer pixel.
 
     `hit_radiance` and `environment` are the result of each ray, `reflected` is their filtered mean.
@@ -70,7 +71,7 @@ class _Rays:
     def __init__(self, gl: moderngl.Context, gbuffer: GBuffer) -> None:
         self._gl, self.gbuffer = gl, gbuffer
         self.origin, self.direction, self.shadow_vector = (nearest_texture(gl, gbuffer.size, "f4") for _ in range(3))
-        self.shadow_origin, self.rows, self.sees_backs = self.shadow_vector, gbuffer.size[1], False
+        self.shadow_origin = self.shadow_vector
         self.hit = nearest_texture(gl, gbuffer.size, "u4")
         self.hit_radiance, self.environment, self.reflected = (
             nearest_texture(gl, gbuffer.size, "f2") for _ in range(3))

@@ -16,6 +16,7 @@ from ...gpu.programs import Programs, set_uniform
 from ...plan.model import Plan
 from ...scene.frame import Frame
 from ...scene.scene import Scene
+from ...trace.rays.intersect import WholeTextures
 from ..depth import Depth
 from ..gbuffer import nearest_texture
 from ..units import UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_REFRACTED
@@ -95,14 +96,14 @@ class TracedRefraction:
         self._paths.release()
 
 
-class _Paths:
+class _Paths(WholeTextures):
     """The textures that `viewer.trace.rays.intersect.WavefrontTextures` describes, a path for each pixel, and the
     state of each path: twice, to be read and written in turn. The light of each kind of path stays."""
 
     def __init__(self, gl: moderngl.Context, depth: Depth, size: tuple[int, int]) -> None:
         self._gl, self._depth, self.size = gl, depth, size
         self.positions, self.shadow_vector = (nearest_texture(gl, size, "f4") for _ in range(2))
-        self.shadow_origin, self.rows, self.sees_backs = self.shadow_vector, size[1], False
+        self.shadow_origin = self.shadow_vector
         self.hit = nearest_texture(gl, size, "u4")
         self._buffer = depth.renderbuffer(size)
         self._rays = [[nearest_texture(gl, size, "f4") for _ in _STATE[:-1]] for _ in range(2)]

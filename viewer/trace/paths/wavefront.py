@@ -163,12 +163,17 @@ class Wavefront:
         """The number of rows whose paths may not be idle: all after them are."""
         return self.size[1] if self.arrangement is None else self.arrangement.rows
 
+    def read(self, name: str, texels: NDArray[np.float32]) -> None:
+        """Read these rows of a texture of the present state into the first of `texels`, (N, 4). Waits for the
+        device."""
+        if self.rows:
+            self.present.read_into(texels, viewport=(0, 0, self.size[0], self.rows), components=4,
+                                   attachment=STATE.index(name), dtype="f4")
+
     def read_status(self) -> NDArray[np.float32]:
         """The status of the paths in these rows. Waits for the device."""
-        rows = self.rows
-        texels = np.empty((rows * self.size[0], 4), np.float32)
-        if rows:
-            self.present.read_into(texels, viewport=(0, 0, self.size[0], rows), components=4, dtype="f4")
+        texels = np.empty((self.rows * self.size[0], 4), np.float32)
+        self.read("origin", texels)
         return np.floor(texels[:, 3])
 
     def assign(self, blocks: np.ndarray, work: Sequence[Work]) -> None:

@@ -77,12 +77,10 @@ class EmbreeIntersector:
         if rays is None or len(rays.origin) != count:
             rays = Rays(*np.empty((5, count, 4), np.float32))
         rays.count, rays.sees_backs = wavefront.rows * wavefront.origin.width, wavefront.sees_backs
-        wavefront.origin.read_into(rays.origin)
-        wavefront.direction.read_into(rays.direction)
-        wavefront.shadow_origin.read_into(rays.shadow_origin)
-        wavefront.shadow_vector.read_into(rays.shadow_vector)
+        for name in ("origin", "direction", "shadow_origin", "shadow_vector"):
+            wavefront.read(name, getattr(rays, name))
         if self._media is not None:
-            wavefront.medium.read_into(rays.medium)
+            wavefront.read("medium", rays.medium)
         return rays
 
     def trace(self, rays: Rays) -> Answer:

@@ -56,6 +56,24 @@ class WavefrontTextures(Protocol):
     def rows(self) -> int:
         """The number of rows whose paths may not be idle: all after them are."""
 
+    def read(self, name: str, texels: np.ndarray) -> None:
+        """Read these rows of one of the first five textures into the first of (texels, 4) float32. Waits for the
+        device."""
+
+
+class WholeTextures:
+    """What else `WavefrontTextures` has, of textures whose rows are all traced, without shadow rays to the camera."""
+
+    hit: moderngl.Texture
+    sees_backs = False
+
+    @property
+    def rows(self) -> int:
+        return self.hit.height
+
+    def read(self, name: str, texels: np.ndarray) -> None:
+        getattr(self, name).read_into(texels)
+
 
 @dataclass
 class Answer:
