@@ -30,9 +30,9 @@ def moving(folder):
     return folder / "a.glb"
 
 
-def picture(run, *options):
+def picture(run, *options, said=""):
     outcome = run("render", "a.glb", "-o", "a.png", *PLAIN, *options)
-    assert (outcome.status, outcome.err) == (0, "")
+    assert (outcome.status, outcome.err) == (0, said)
     return Image.open("a.png").srgb.astype(int)
 
 
@@ -40,7 +40,8 @@ def test_the_picture_is_of_the_time(run, moving):
     rest, first, late = picture(run), picture(run, "--time", "0"), picture(run, "--time", "2")
     assert (rest != first).any() and (first != late).any()
     assert np.array_equal(picture(run, "--animation", "come"), first), "without a time it is 0"
-    assert np.array_equal(picture(run, "--time", "9"), late), "after the last key frame it stands still"
+    over = "a.glb: warning: --time 9: the animation 'come' takes 2 s; its end is shown\n"
+    assert np.array_equal(picture(run, "--time", "9", said=over), late), "after the last key frame it stands still"
     assert np.array_equal(picture(run, "--animation", "1", "--time", "2"),
                           picture(run, "--animation", "rise", "--time", "2"))
 
@@ -51,6 +52,14 @@ def test_python_shows_the_same(run, moving):
     camera = viewer.Camera.look_at((0, 0, 4), (0, 0, 0))
     image = viewer.render(scene, (24, 24), camera, time=1.5, background="none")
     assert np.array_equal(image.srgb, picture(run, "--time", "1.5"))
+
+
+def test_a_film_that_is_over_is_one_line_and_a_turntable_begins_anew(run, moving):
+    outcome = run("render", "a.glb", "-o", "a.gif", *PLAIN, "--time", "9")
+    assert outcome.status == 1
+    assert outcome.err == "pbr-viewer: a.glb: animations: --time 9: 'come' is over by then; it takes 2 s\n"
+    outcome = run("render", "a.glb", "-o", "a.gif", *PLAIN[:-6], "--time", "9", "--animation", "0", "--turntable", "2")
+    assert (outcome.status, outcome.err) == (0, "")
 
 
 def test_info_lists_them(run, moving):

@@ -62,7 +62,12 @@ def make_scene(model: str, environment: Environment | None, options: dict[str, A
     time = options.get("time")
     if options.get("animation") is None and time is None:
         return scene
-    return pose(model, scene, time or 0.0, find_animation(model, scene, options["animation"]))
+    number, time = find_animation(model, scene, options["animation"]), time or 0.0
+    name, duration = scene.animations[number].name, scene.animations[number].duration
+    if time > duration and options.get("turntable") is None:  # which begins anew at the end
+        problem = f"--time {time:g}: the animation {name!r} takes {duration:g} s; its end is shown"
+        scene = replace(scene, warnings=(*scene.warnings, problem))
+    return pose(model, scene, time, number)
 
 
 def load_model(model: str, options: dict[str, Any]) -> Scene:
@@ -89,7 +94,7 @@ def make_playback(model: str, scene: Scene, options: dict[str, Any]) -> Playback
     if options["animation"] is None and options["time"] is None:
         return Playback()
     number, time = find_animation(model, scene, options["animation"]), options["time"]
-    return Playback(number, time or 0.0, is_playing=time is None)
+    return Playback(number, min(time or 0.0, scene.animations[number].duration), is_playing=time is None)
 
 
 def find_animation(model: str, scene: Scene, wanted: str | None) -> int:

@@ -92,8 +92,8 @@ class ModelRenderer:
         records: list[Record] = []
         with self._told(task.model, task.picture(), records):
             scene = make_scene(task.model, self._environment, self._job.options)
-            self._warn(task.model, scene)
             film = make_film(task.model, task.picture(), scene, self._job.options)
+            self._warn(task.model, scene)
             if film is not None:
                 records.append(self._film(task, scene, film, start, progress))
                 return records
