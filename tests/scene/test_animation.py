@@ -97,3 +97,4 @@ def test_an_animation_tells_what_it_moves_and_survives_a_pickle():
     animation = pickle.loads(pickle.dumps(Animation("wave", tuple(tracks))))
     assert animation.duration == 3 and animation.moves == "rotation of 3 nodes, weights of 1 node"
     assert not animation.tracks[0].times.flags.writeable
+    assert Animation("before", (Track(PLACE, [-2, -1], [[0], [1]]),)).duration == 0

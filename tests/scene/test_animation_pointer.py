@@ -9,7 +9,7 @@ import pytest
 from gltf_builder import GltfBuilder
 
 from viewer.scene.gltf.pointers import _KINDS
-from viewer.scene.schema import MAPS, PARAMETERS
+from viewer.scene.schema import MAPS, PARAMETERS, needs_tangents
 
 LIGHTS, TRANSFORM = "KHR_lights_punctual", "KHR_texture_transform"
 
@@ -84,6 +84,27 @@ def test_texture_transforms():
     assert moved.transform.offset == (0.5, 1) and moved.transform.rotation == 0.5 and moved.transform.scale == (2, 3)
 
 
+@pytest.mark.parametrize("pointer, material", [
+    ("normalTexture/scale", {"normalTexture": {"index": 0, "scale": 0}}),
+    ("extensions/KHR_materials_clearcoat/clearcoatFactor",
+     {"extensions": {"KHR_materials_clearcoat": {"clearcoatNormalTexture": {"index": 0}}}}),
+    ("extensions/KHR_materials_anisotropy/anisotropyStrength", {"extensions": {"KHR_materials_anisotropy": {}}}),
+])
+def test_a_mesh_has_tangents_for_what_is_turned_on_later(pointer, material):
+    """At rest the material needs none."""
+    builder = pointing([(f"/materials/0/{pointer}", [0, 1])], materials=[material])
+    builder.texture()
+    attributes = {"POSITION": builder.accessor([[0, 0, 0], [1, 0, 0], [0, 1, 0]]),
+                  "NORMAL": builder.accessor([[0, 0, 1]] * 3), "TEXCOORD_0": builder.accessor([[0, 0], [1, 0], [0, 1]])}
+    builder.node(mesh=builder.mesh(attributes, material=0))
+    scene = builder.load()
+    assert not needs_tangents(scene.materials[0]) and needs_tangents(scene.at(1).materials[0])
+    assert scene.meshes[0].tangents is not None
+    builder.json["animations"][0]["samplers"][0]["output"] = builder.accessor([0, 0])
+    del builder.json["buffers"]
+    assert builder.load().meshes[0].tangents is None
+
+
 def test_lights():
     lamp = {"type": "spot", "intensity": 4, "range": 7, "spot": {"outerConeAngle": 0.5}}
     base = f"/extensions/{LIGHTS}/lights/0"
@@ -123,12 +144,16 @@ def test_nodes_and_weights():
     pose = builder.load().at(1)
     assert pose.meshes[0].positions[:, 2].tolist() == [11] * 3 and pose.meshes[1].positions[:, 2].tolist() == [11] * 3
     np.testing.assert_allclose(pose.instances[0].transform[:2, 0], [0, 1], atol=1e-6)
+    add_animation(builder, [(f"/meshes/{mesh}/weights/2", [0, 1]), (f"/nodes/{own}/weights/2", [0, 1])])
+    scene = builder.load()
+    assert len(scene.animations) == 1 and len(scene.warnings) == 2
 
 
 @pytest.mark.parametrize("pointer", [
     "/materials/7/alphaCutoff", "/materials/1/extensions/KHR_materials_ior/ior", "/materials/1/normalTexture/scale",
     "/materials/1/name", "/nodes/99/translation", "/nodes/0/colour", "/nodes/-1/scale", "/nodes/01/scale", "nonsense",
-    "/cameras/0/perspective/yfov", f"/extensions/{LIGHTS}/lights/0/color", "", "/nodes/0", "/" * 5000])
+    "/cameras/0/perspective/yfov", f"/extensions/{LIGHTS}/lights/0/color", "", "/nodes/0", "/" * 5000,
+    "/nodes/0/weights", "/nodes/0/weights/0", "/meshes/0/weights", "/meshes/0/weights/3"])
 def test_a_pointer_to_what_is_not_there_is_named(pointer):
     scene = with_material([(pointer, [[0, 0, 0], [1, 1, 1]])]).load()
     assert scene.animations == () and len(scene.warnings) == 1

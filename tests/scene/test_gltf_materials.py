@@ -289,7 +289,7 @@ def test_values_out_of_range_are_clamped_with_a_warning():
 
 def test_textures_samplers_and_transforms():
     builder = GltfBuilder()
-    texture = builder.texture(wrapS=33071, wrapT=33648, magFilter=9728, minFilter=9985)
+    texture = builder.texture(wrapS=33071, wrapT=33648, magFilter=9728.0, minFilter=9985)
     transform = {"offset": [0.1, 0.2], "rotation": 0.3, "scale": [2, 3], "texCoord": 0}
     material, _ = read({"normalTexture": {"index": texture, "scale": 0.5, "texCoord": 1,
                                           "extensions": {"KHR_texture_transform": transform}},
@@ -299,6 +299,17 @@ def test_textures_samplers_and_transforms():
     assert normal.transform == UVTransform((0.1, 0.2), 0.3, (2, 3)) and normal.uv_set == 0
     assert (material.normal_scale, material.occlusion_strength) == (0.5, 0.25)
     assert material.occlusion_texture.image.data is normal.image.data
+
+
+def test_a_choice_of_another_type_is_told_in_the_words_of_json():
+    with pytest.raises(InputError, match=r"materials\[0\].alphaMode: must be a string, not a number"):
+        read({"alphaMode": 3})
+    with pytest.raises(InputError, match=r"samplers\[0\].wrapS: must be an integer, not a string"):
+        builder = GltfBuilder()
+        read({"normalTexture": {"index": builder.texture(wrapS="repeat")}}, builder)
+    builder = GltfBuilder()
+    warnings = read({"normalTexture": {"index": builder.texture(wrapS=-1)}}, builder)[1]
+    assert any("samplers[0].wrapS: -1 is unknown; 10497 is used" in line for line in warnings)
 
 
 def test_texture_transform_turns_as_in_the_khronos_test_model():

@@ -85,8 +85,8 @@ class Animation:
 
     @cached_property
     def duration(self) -> float:
-        """The time of the last key frame, in seconds; 0 if there is one time only."""
-        return max((float(track.times[-1]) for track in self.tracks), default=0.0)
+        """The time of the last key frame, in seconds, from 0 on."""
+        return max((float(track.times[-1]) for track in self.tracks if track.times[-1] > 0), default=0.0)
 
     def at(self, time: float) -> dict[Target, np.ndarray]:
         """The values of all targets at `time` seconds, as `Track.at` has them."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,7 @@ def posed_materials(scene: Scene, values: dict[Target, np.ndarray]) -> tuple[Mat
     materials = list(scene.materials)
     for k, number in enumerate(rig.materials):
         if number in moved:
-            materials[k] = _moved(materials[k], moved[number])
+            materials[k] = moved_material(materials[k], moved[number])
     return scene.materials if tuple(materials) == scene.materials else tuple(materials)
 
 
@@ -37,7 +38,8 @@ def plain(value: np.ndarray) -> Any:
     return numbers[0] if len(numbers) == 1 else tuple(numbers)
 
 
-def _moved(material: Material, values: dict[str, np.ndarray]) -> Material:
+def moved_material(material: Material, values: Mapping[str, np.ndarray]) -> Material:
+    """`material` with the values of tracks, by the names of their targets. That of "emissive" needs the strength."""
     changes: dict[str, Any] = {}
     for name, value in values.items():
         if name in PARAMETERS:

@@ -50,7 +50,8 @@ def _tracks(pointers: Pointers, channel: Element, sampler: Element, accessors: A
     else:
         found = pointers.resolve(f"/nodes/{node}/{path}") if path in _PATHS else None
         if found is None:
-            element.warn(f"{path[:20]!r} is unknown; the channel is left out", "path")
+            problem = "there are no morph targets" if path == "weights" else f"{path[:20]!r} is unknown"
+            element.warn(f"{problem}; the channel is left out", "path")
     targets = found[0] if found is not None else []
     fixed = [target for target in targets if target.kind == "node" and target.number in nodes.hierarchy.matrices
              and not target.name.startswith("weights")]

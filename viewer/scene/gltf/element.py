@@ -122,7 +122,7 @@ class Element:
 
     def choice(self, key: str, choices: dict[Any, T], default: Any) -> T:
         """The value mapped by `choices`. An unknown value is replaced by `default`, with a warning."""
-        value = self._get(key, type(default), f"a {type(default).__name__}", default)
+        value = self.string(key, default) if isinstance(default, str) else self.integer(key, default, -(1 << 53))
         if value not in choices:
             self.warn(f"{value!r} is unknown; {default!r} is used", key)
             value = default

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
+from ..animation import Animation
 from ..material import (
     METALLIC_ROUGHNESS,
     SPECULAR_GLOSSINESS,
@@ -15,6 +17,7 @@ from ..material import (
     UVTransform,
 )
 from ..parameter import Feature
+from ..posed_materials import moved_material
 from ..scene import Variant
 from ..schema import FEATURES, MAPS, PARAMETERS, Parameter, Value
 from ..specular_glossiness import with_glossiness
@@ -37,6 +40,7 @@ class Materials:
         self._read: dict[int, Material] = {-1: Material()}
         self._choices: list[tuple[int, ...]] = []
         self._number: dict[tuple[int, ...], int] = {}
+        self._peaks: dict[int, dict[str, np.ndarray]] = {}
         variants = root.extension(VARIANTS)
         self._names = unique_names(variants) if variants is not None else []
 
@@ -49,8 +53,21 @@ class Materials:
         return self._number[choice]
 
     def looks(self, number: int) -> list[Material]:
-        """The materials that the scene's material of this number may be, the file's own choice first."""
-        return [self._material(index) for index in dict.fromkeys(self._choices[number])]
+        """The materials that the scene's material of this number may be, the file's own choice first: as they are at
+        rest, and with everything on that tracks turn on."""
+        indices = dict.fromkeys(self._choices[number])
+        return [*map(self._material, indices), *(moved_material(self._material(index), self._peaks[index])
+                                                 for index in indices if index in self._peaks)]
+
+    def moved_by(self, animations: Sequence[Animation]) -> None:
+        """Note how far tracks take the parameters from 0. Tangents of splines count, too: values between key frames
+        may be larger than those."""
+        for track in (track for animation in animations for track in animation.tracks):
+            kind, index, name = track.target
+            if kind == "material" and name in PARAMETERS and name != "emissive":
+                peak = np.abs(track.values).reshape(-1, track.values.shape[-1]).max(axis=0)
+                peaks = self._peaks.setdefault(index, {})
+                peaks[name] = np.maximum(peak, peaks.get(name, 0.0))
 
     @property
     def drawn(self) -> frozenset[int]:

@@ -99,6 +99,10 @@ class Pointers:
             found = Property(f"weights[{int(weight[1])}]", "SCALAR", 1) if weight else properties.get(path)
             if found is None or (found.needs and not isinstance(_at(items[number], found.needs), dict)):
                 return None
+            if found.name.startswith("weights"):
+                mesh = number if kind == "mesh" else self._meshes[number]
+                if self._target_counts.get(mesh, 0) <= (int(weight[1]) if weight else 0):
+                    return None
             if kind == "mesh":
                 return [Target("node", k, found.name) for k in self._shown.get(number, [])], found
             return [Target(kind, number, found.name)], found
@@ -109,10 +113,21 @@ class Pointers:
         """By mesh, the nodes that show it and have no weights of their own."""
         shown: dict[int, list[int]] = {}
         for k, node in enumerate(self._root.array("nodes")):
-            mesh = node.value.get("mesh")
-            if isinstance(mesh, int) and "weights" not in node:
-                shown.setdefault(mesh, []).append(k)
+            if "weights" not in node:
+                shown.setdefault(self._meshes[k], []).append(k)
         return shown
+
+    @cached_property
+    def _meshes(self) -> list[int]:
+        """The mesh of each node, -1 for none."""
+        count = len(self._root.array("meshes"))
+        return [node.index("mesh", count) if "mesh" in node else -1 for node in self._root.array("nodes")]
+
+    @cached_property
+    def _target_counts(self) -> dict[int, int]:
+        """By mesh, how many morph targets it has."""
+        return {k: max((len(primitive.array("targets")) for primitive in mesh.array("primitives")), default=0)
+                for k, mesh in enumerate(self._root.array("meshes"))}
 
 
 def _at(value: object, path: str) -> object:

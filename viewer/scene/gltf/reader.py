@@ -64,6 +64,7 @@ class _Reader:
         self.lights = Lights(root)
         self.meshes: list[Mesh] = []
         self.animations = read_animations(root, self.accessors, self.nodes)
+        self.materials.moved_by(self.animations)
         self._weighted = {track.target.number for animation in self.animations for track in animation.tracks
                           if track.target.name.startswith("weights")}
         self._shown: set[int] = {track.target.number for animation in self.animations for track in animation.tracks
