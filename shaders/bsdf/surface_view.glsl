@@ -78,7 +78,11 @@ vec3 metal_facets(SurfaceView v, float mu) {
 Sheen sheen_of(Surface s, SurfaceView v, sampler2D dfg) {
     Sheen sheen = make_sheen(s.sheen_color, s.sheen_roughness, v.NoV);
 #if METALNESS != 1
-    sheen.mean = sheen_mean(sheen, v.dielectric, v.perceptual_roughness, dfg);
+    vec4 b = vec4(1.0);
+#if DIFFUSE_ROUGH
+    for (int k = 0; k < 4; ++k) b[k] = diffuse_arriving(s, v.dielectric, v.NoV, SHEEN_NODES[k]);
+#endif
+    sheen.mean = sheen_mean(sheen, v.dielectric, v.perceptual_roughness, b, dfg);
 #endif
     return sheen;
 }

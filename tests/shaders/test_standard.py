@@ -1,13 +1,16 @@
-"""What the standard lobe does besides what is tested for all lobes: the choice of its Fresnel curve."""
+"""What the standard lobe does besides what is tested for all lobes: the choice of its Fresnel curve, and that all
+combinations of its layers keep the light."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 
-from viewer.measure.check.lobes import LOBES
+from viewer.measure.check.energy import LobeCase, check_lobe
+from viewer.measure.check.lobes import LOBES, _surface
 
 STANDARD = next(lobe for lobe in LOBES if lobe.name == "standard")
 MU = np.array([1.0, 0.7, 0.3, 0.1, 0.01])
@@ -38,3 +41,22 @@ def test_schlick_is_the_default():
     f0 = 0.04
     expected = f0 + (1 - f0) * (1 - MU) ** 5
     np.testing.assert_allclose(mirrored(0, 1.5, 1.0), np.repeat(expected[:, None], 3, axis=1), atol=1e-5)
+
+
+@pytest.mark.parametrize("fibres", ["charlie", "zeltner"])
+def test_white_stays_white_below_any_combination_of_layers(fibres):
+    """Of the BSDF itself, down to grazing angles, by the program that has all layers; weights of 0 leave them out."""
+    layers = ("DIFFUSE_ROUGH", "DIFFUSE_TRANSMISSION", "SHEEN", "IRIDESCENT", "CLEARCOAT")
+    weights = ("diffuse_roughness", "diffuse_transmission", "sheen_color", "film", "coat")
+    lobe = _surface("layers", *layers, *["ZELTNER"] * (fibres == "zeltner"))
+    chosen = np.array(list(product((0.0, 1.0), repeat=len(layers))))
+    chosen = chosen if fibres == "charlie" else chosen[chosen[:, 2] > 0]
+    values = {name: np.full(len(chosen), lobe.white.get(name, 0.0)) for name in lobe.parameters}
+    for name, weight in zip(weights, chosen.T):
+        values[name] = values[name] * weight
+    values = {name: value if lobe.parameters[name].size == 1 else np.repeat(value[:, None], 3, axis=1)
+              for name, value in (values | {"metallic": 0.0 * chosen[:, 0]}).items()}
+    case = LobeCase("layers", lobe, values, np.ones(len(chosen), bool), furnace_bound=0.01, provides=frozenset(),
+                    mirrors=True)
+    checks = dict(zip(("white furnace", "reflects at most all"), check_lobe(case)))
+    assert {name: str(check) for name, check in checks.items() if not check.passed} == {}

@@ -53,6 +53,17 @@ vec3 diffuse_response(Surface s, Interface face, Angles a) {
     return with_scattered_back(s, max(f, 0.0), INV_PI) * shown_above(s);
 }
 
+// f of the white base, the mean over all directions at the angle of cosine `mu`, over that of Lambert's. Of EON's s / t
+// it is sin sin (1 / max(NoV, mu) - 1) / pi.
+float diffuse_arriving(Surface s, Interface face, float NoV, float mu) {
+    float sigma = s.diffuse_roughness, B = sigma * eon_scale(sigma);
+    float returned = sqrt(max((1.0 - NoV * NoV) * (1.0 - mu * mu), 0.0)) * (1.0 / max(NoV, mu) - 1.0) * INV_PI;
+    float lost = (1.0 - eon_single_albedo(NoV, sigma)) * (1.0 - eon_single_albedo(mu, sigma));
+    float f = eon_scale(sigma) + B * (returned + face.dimming * (eon_dimming(NoV) + eon_dimming(mu)))
+        + (sigma > 1e-4 ? lost / (1.0 - eon_mean_albedo(sigma)) : 0.0);
+    return with_scattered_back(s, vec3(max(f, 0.0)), 1.0).g;
+}
+
 vec3 diffuse_albedo(Surface s, float NoV) {
     return with_scattered_back(s, eon_total_albedo(s.base_color, s.diffuse_roughness, NoV), 1.0) * shown_above(s);
 }

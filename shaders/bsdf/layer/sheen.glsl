@@ -54,14 +54,16 @@ Sheen make_sheen(vec3 color, float perceptual_roughness, float NoV) {
 }
 
 // N over the base below the interface `face`, whose table is read with `roughness`: Gauss quadrature of
-//   N = int T T_face mu dmu / int T_face mu dmu
-float sheen_mean(Sheen s, Interface face, float roughness, sampler2D dfg) {
-    const vec4 mu = vec4(0.06943184, 0.33000948, 0.66999052, 0.93056816);
-    const vec4 weight = vec4(0.0241522, 0.2152141, 0.4369311, 0.3237026);
+//   N = int T T_face b mu dmu / int T_face b mu dmu
+// where b is what the base returns of the light from there, at the cosines SHEEN_NODES, over what Lambert's returns.
+const vec4 SHEEN_NODES = vec4(0.06943184, 0.33000948, 0.66999052, 0.93056816);
+
+float sheen_mean(Sheen s, Interface face, float roughness, vec4 b, sampler2D dfg) {
+    vec4 weight = b * vec4(0.0241522, 0.2152141, 0.4369311, 0.3237026);
     vec2 sums = vec2(0.0);
     for (int k = 0; k < 4; ++k) {
-        float passed = weight[k] * interface_transmittance(face, dfg_albedo(dfg, mu[k], roughness));
-        sums += passed * vec2(sheen_throughput(s, mu[k]), 1.0);
+        float passed = weight[k] * interface_transmittance(face, dfg_albedo(dfg, SHEEN_NODES[k], roughness));
+        sums += passed * vec2(sheen_throughput(s, SHEEN_NODES[k]), 1.0);
     }
     return sums.y > 1e-6 ? sums.x / sums.y : 1.0; // no light reaches the base of a perfect mirror
 }
