@@ -48,13 +48,18 @@ void add_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 }
 
 #if HAS_LIGHTS
+// `pdf` is that with which BSDF sampling would choose the direction.
+float weight_of(LightSample light, float pdf) {
+    return light.is_delta ? 1.0 : light_weight(light.pdf, pdf);
+}
+
 // Prepares a shadow ray to a light sample. `medium` is the medium on the light's side, or the nesting of media. `f_cos`
 // is the BSDF times the cosine. `pdf` is the density with which BSDF sampling would choose this direction. `origin` is
 // where the ray begins.
 void send_shadow_ray_from(inout Path p, vec3 position, vec3 origin, int medium, LightSample light, vec3 f_cos,
                           float pdf) {
     if (light.pdf <= 0.0) return;
-    float weight = light.is_delta ? 1.0 : light_weight(light.pdf, pdf);
+    float weight = weight_of(light, pdf);
     vec3 radiance = p.throughput * f_cos * light.radiance;
 #if HAS_SCATTERING
     p.shadow_medium = medium; // the shadow ray finds what is on its way

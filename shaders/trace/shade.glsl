@@ -17,6 +17,9 @@
 #include "trace/nested.glsl"
 #endif
 #include "trace/surface_sides.glsl"
+#if HAS_LIGHTS && !PHOTONS
+#include "trace/light_candidates.glsl"
+#endif
 
 #if TRANSMITS && !HAS_SCATTERING && !HAS_NESTED
 // Begins a path whose camera is inside the solid. Such a camera shows radiance divided by the square of the index,
@@ -127,14 +130,12 @@ void main() {
 #else
     const vec3 n_light = vec3(0.0);
 #endif
-    LightSample light = sample_light(i.position, n_light, u_light.xyz);
-    vec3 local_wi = light.direction * frame;
-    float light_side = side_of(i, light.direction, local_wi.z);
-    if (light_side != 0.0 && !(may_pass && is_last)) {
-        vec4 f = bsdf_eval_pdf(bsdf, local_wo, local_wi);
-        send_shadow_ray(p, i.position, light_side * i.n_geometric, medium_at(p, i, m, light_side), light,
-                        f.rgb, f.w);
-    }
+    u_light.w /= m.coverage; // below it, for else the path went straight on
+    int candidates = p.depth == 0 ? FIRST_CANDIDATES : 1;
+    SurfaceLight lit = sample_light_at(i, bsdf, frame, local_wo, n_light, u_light, candidates);
+    if (lit.side != 0.0 && !(may_pass && is_last))
+        send_shadow_ray(p, i.position, lit.side * i.n_geometric, medium_at(p, i, m, lit.side), lit.light, lit.f_cos,
+                        lit.pdf);
 #endif
     BsdfSample b = bsdf_sample(bsdf, local_wo, u_bsdf.xyz);
     vec3 wi = normalize(frame * b.wi);

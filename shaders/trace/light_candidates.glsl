@@ -1,0 +1,37 @@
+// The light sample of a surface: one of several candidates, chosen in proportion to what each of them brings if nothing
+// hides its light (resampled importance sampling: Talbot, Cline & Egbert 2005, "Importance Resampling for Global
+// Illumination"). It stands for their mean, so that only shadows are as noisy as with a single one. Each candidate has
+// the density of sample_light; they need not be independent, and are opposite in the square of u.
+#include "sample/luminance.glsl"
+
+// Under an environment a second candidate is worth its time (benchmarks/results/trace_variance.md) where the camera
+// looks; later there is less to gain, and in scenes with glass most noise is of light that no light sample finds.
+const int FIRST_CANDIDATES = HAS_ENVIRONMENT == 1 && HAS_TRANSMISSION == 0 ? 2 : 1;
+
+struct SurfaceLight {
+    LightSample light;
+    vec3 f_cos; // the BSDF times the cosine, for as many candidates as the sample stands for
+    float pdf;  // with which BSDF sampling would choose the direction
+    float side; // of the surface, 0: there is no sample
+};
+
+// u.xyz sample lights, u.w chooses among `count` of them.
+SurfaceLight sample_light_at(Interaction i, Bsdf bsdf, mat3 frame, vec3 wo, vec3 n_light, vec4 u, int count) {
+    SurfaceLight chosen;
+    chosen.side = 0.0;
+    float sum = 0.0, own = 0.0;
+    for (int k = 0; k < count; ++k) {
+        LightSample light = sample_light(i.position, n_light, vec3(fract(u.xy + 0.5 * float(k)), u.z));
+        vec3 wi = light.direction * frame;
+        float side = side_of(i, light.direction, wi.z);
+        if (side == 0.0 || light.pdf <= 0.0) continue;
+        vec4 f = bsdf_eval_pdf(bsdf, wo, wi);
+        float brings = luminance(f.rgb * light.radiance) * weight_of(light, f.w) / light.pdf;
+        sum += brings;
+        if (count > 1 && u.w * sum >= brings) continue;
+        own = brings;
+        chosen = SurfaceLight(light, f.rgb, f.w, side);
+    }
+    if (count > 1) chosen.f_cos *= sum / (float(count) * own);
+    return chosen;
+}
