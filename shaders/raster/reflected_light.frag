@@ -11,13 +11,16 @@
 uniform usampler2D u_hit;      // viewer/trace/rays/intersect.py
 uniform sampler2D u_positions;
 uniform sampler2D u_direction; // w: 1 where there is a ray
+uniform int u_count;           // of a pixel's rays
 // viewer/raster/traced/reflected_surfaces.py:
 uniform isampler2D u_first_vertex;   // of each instance
 uniform sampler2D u_vertex_radiance; // of each triangle's vertices; a: a component of the face normal, 0 if two-sided
 uniform sampler2D u_vertex_surface;  // octahedral normal, roughness, metallic
 
 layout(location = 0) out vec4 o_hit_radiance;
-layout(location = 1) out vec4 o_environment; // luminance of the environment along the ray, unoccluded and occluded
+// Luminance of the environment along the ray, unoccluded and occluded; 1 where it is not occluded; 1. All are parts of
+// the mean over a pixel's rays.
+layout(location = 1) out vec4 o_environment;
 
 const float LEAST_ROUGHNESS = 0.35, MAX_RATIO = 4.0;
 
@@ -32,10 +35,12 @@ void main() {
     if (direction.w == 0.0) return;
     uvec4 texel = texelFetch(u_hit, pixel, 0);
     float roughness = texelFetch(u_positions, pixel, 0).w;
-    // Sixteen rays share a lobe, so each stands for about a sixteenth of it: half the roughness.
-    o_environment.r = luminance(environment_specular(direction.xyz, 0.5 * roughness));
+    // The rays of 16 pixels share a lobe. Each of n stands for a part 1 / n of it: roughness by the fourth root of n.
+    float part = 1.0 / float(u_count);
+    float sky = luminance(environment_specular(direction.xyz, 0.5 * pow(part, 0.25) * roughness));
+    o_environment = part * vec4(sky, 0.0, 0.0, 1.0);
     if (hit_kind(texel) == NO_KIND) {
-        o_environment.g = o_environment.r;
+        o_environment.gb = part * vec2(sky, 1.0);
         return;
     }
     Hit hit = unpack_hit(texel);
@@ -58,5 +63,5 @@ void main() {
     vec2 roughness_metallic = mat3x2(surfaces[0].zw, surfaces[1].zw, surfaces[2].zw) * weights;
     vec3 lobe = environment_specular(reflect(direction.xyz, n), max(roughness_metallic.x, LEAST_ROUGHNESS));
     vec3 ratio = min(lobe / max(environment_irradiance_over_pi(n), 1e-6), MAX_RATIO);
-    o_hit_radiance.rgb = radiance * mix(vec3(1.0), ratio, roughness_metallic.y);
+    o_hit_radiance.rgb = part * radiance * mix(vec3(1.0), ratio, roughness_metallic.y);
 }

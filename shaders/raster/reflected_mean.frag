@@ -15,7 +15,7 @@ const float MOST = 2.0;
 
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
-uniform sampler2D u_hit_radiance, u_environment; // of each ray: reflected_light.frag
+uniform sampler2D u_hit_radiance, u_environment; // means over each pixel's rays: reflected_light.frag
 
 out vec4 o_reflected; // rgb: radiance from the model, a: part of the environment's light that it occludes
 
@@ -24,8 +24,8 @@ void main() {
     vec4 here = texelFetch(u_positions, pixel, 0);
     vec3 n = from_octahedron(texelFetch(u_normals, pixel, 0).xy);
     float alpha = here.w * here.w;
-    vec3 radiance = vec3(0.0), environment = vec3(0.0);
-    float open = 0.0; // weight of the rays that see the environment
+    vec3 radiance = vec3(0.0);
+    vec4 environment = vec4(0.0);
     for (int k = 0; k < 25; ++k) {
         ivec2 away = ivec2(k % 5, k / 5) - 2, tap = clamp(pixel + away, ivec2(0), last);
         vec4 there = texelFetch(u_positions, tap, 0);
@@ -37,10 +37,9 @@ void main() {
                            - 10.0 * abs(there.w - here.w));
         weight *= (abs(away.x) == 2 ? 0.5 : 1.0) * (abs(away.y) == 2 ? 0.5 : 1.0);
         radiance += weight * texelFetch(u_hit_radiance, tap, 0).rgb;
-        vec2 luminance = texelFetch(u_environment, tap, 0).rg;
-        environment += weight * vec3(luminance, 1.0);
-        open += weight * float(luminance.g > 0.0);
+        environment += weight * texelFetch(u_environment, tap, 0);
     }
-    float seen = environment.x > 0.0 ? min(environment.y / environment.x, MOST * open / environment.z) : 1.0;
-    o_reflected = vec4(radiance / environment.z, 1.0 - seen);
+    vec2 seen = environment.yz / max(environment.xw, 1e-20); // of the light, of the rays
+    float part = environment.x > 0.0 ? min(seen.x, MOST * seen.y) : 1.0;
+    o_reflected = vec4(radiance / max(environment.w, 1e-20), 1.0 - part);
 }

@@ -1,6 +1,7 @@
-// Begins one reflection ray at each pixel's surface, along a direction sampled from the distribution of visible
-// normals. A block of 4 x 4 pixels covers the lobe with a Hammersley point set. Rays are in tracer space: the scene's
-// centre is the origin and its radius the unit (viewer/trace/scene/geometry.py).
+// Begins one of the reflection rays at each pixel's surface, along a direction sampled from the distribution of visible
+// normals. A block of 4 x 4 pixels covers the lobe with a Hammersley point set. The mirrored bits spread a pixel's own
+// rays over the lobe, too. Rays are in tracer space: the scene's centre is the origin and its radius the unit
+// (viewer/trace/scene/geometry.py).
 #include "bsdf/visible_normal.glsl"
 #include "sample/octahedron.glsl"
 #include "sample/lattice.glsl"
@@ -10,6 +11,7 @@ uniform sampler2D u_positions;
 uniform sampler2D u_normals;
 uniform vec3 u_eye;            // in tracer space
 uniform vec3 u_view_direction; // towards the eye
+uniform int u_number, u_count; // of the pixel's rays
 
 layout(location = 0) out vec4 o_origin; // w: 1 where there is a ray
 layout(location = 1) out vec4 o_direction;
@@ -44,7 +46,8 @@ void main() {
     vec3 wo = v * frame;
     wo.z = max(wo.z, 1e-4);
     vec2 alpha = vec2(max(surface.w * surface.w, 1e-6));
-    vec3 h = sample_visible_normal(wo, alpha, cap_bound(wo, alpha), hammersley(bayer(pixel), 16u));
+    vec2 u = hammersley(bayer(pixel) * uint(u_count) + uint(u_number), 16u * uint(u_count));
+    vec3 h = sample_visible_normal(wo, alpha, cap_bound(wo, alpha), u);
     vec3 d = frame * reflect(-wo, h);
     d -= 2.0 * min(dot(d, face), 0.0) * face; // mirror directions below the triangle back up
     o_origin = vec4(u_eye + surface.xyz + OFFSET * max(1.0, length(surface.xyz)) * face, 1.0);

@@ -1,4 +1,4 @@
-// Reflections of the model, traced beforehand with one ray for each shaded point and filtered
+// Reflections of the model, traced beforehand with rays from each shaded point and filtered
 // (raster/reflected_mean.frag).
 #include "raster/joint_bilateral.glsl"
 

@@ -11,6 +11,7 @@ from needs import needs
 from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, seen_plane, sphere
 
 import viewer.raster.traced.reflected_surfaces as reflected_surfaces
+import viewer.raster.traced.reflections as traced_reflections
 from viewer.plan.planner import plan_scene
 from viewer.raster.traced.reflections import TracedReflections
 from viewer.scene.camera import Camera
@@ -102,6 +103,17 @@ def test_it_is_near_the_path_tracer(context, radiance, roughness, bound):
     assert errors[1] < bound < 0.5 * errors[0]
 
 
+def test_rays_of_a_kept_picture_cover_a_lobe_with_few_steps(radiance, monkeypatch):
+    """One ray from each point shows the wall 16 times in a rough floor, once for each direction."""
+    rough = hall(floor=replace(MIRROR, perceptual_roughness=0.4), environment=lopsided())
+    pictures = []
+    for rays in (1, traced_reflections.RAYS, 64):
+        monkeypatch.setattr(traced_reflections, "RAYS", rays)
+        pictures.append(radiance(rough, VIEW, SIZE, reflections="traced")[..., :3])
+    few, kept = (np.abs(picture - pictures[2]).mean() for picture in pictures[:2])
+    assert 0 < kept < 0.4 * few
+
+
 @needs("embree")
 def test_bvh_and_embree_agree(context, renderer, radiance, monkeypatch):
     pictures = []
@@ -165,7 +177,7 @@ def test_the_plan_says_what_is_traced():
         for scene_in, of in ((HALL, settings), (hall(floor=replace(MIRROR, perceptual_roughness=1.0)), settings),
                              (HALL, Settings())))
     assert [draw.traces_reflections for draw in smooth.draws] == [True, False]  # the wall has no interface
-    assert any("one ray per shaded point" in line for line in smooth.used)
+    assert any("rays from each shaded point" in line for line in smooth.used)
     assert "reflections" in smooth.to_json()["passes"]
     assert "traced reflections: no opaque surface is smooth and isotropic" in rough.left_out
     assert "traced reflections: not requested" in off.left_out

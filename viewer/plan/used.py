@@ -47,7 +47,7 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
                      + "; what hides one reflects as the mean of all surfaces" * plan.estimates_indirect
                      + "; glass tints them" * plan.tints_sky)
     if plan.has_traced_reflections:
-        lines.append("traced reflections of the model: one ray per shaded point, lit by light baked at the vertices")
+        lines.append("traced reflections of the model: rays from each shaded point, lit by light baked at the vertices")
     if plan.has_traced_refraction:
         lines.append("traced refraction in solid glass: two paths per shaded point")
     if plan.has_indirect:

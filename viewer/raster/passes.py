@@ -101,7 +101,7 @@ class Passes:
         that is kept."""
         uniforms = self._uniforms.fill(plan, frame, settings)
         with self._depth.test():
-            uniforms |= self._draw_before_surfaces(plan, frame, pixels, uniforms)
+            uniforms |= self._draw_before_surfaces(plan, frame, pixels, uniforms, still)
             media = self._march_media(plan, frame, target, settings, uniforms, still)
             uniforms |= media
             if plan.spreads_subsurface:
@@ -117,8 +117,8 @@ class Passes:
                 target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
             self._draw_surfaces(plan, frame, pixels, target, settings, uniforms, media)
 
-    def _draw_before_surfaces(self, plan: Plan, frame: Frame, pixels: Frame,
-                              uniforms: dict[str, object]) -> dict[str, object]:
+    def _draw_before_surfaces(self, plan: Plan, frame: Frame, pixels: Frame, uniforms: dict[str, object],
+                              still: bool) -> dict[str, object]:
         """Find what surfaces look up for each pixel. Under supersampling visibility is found once a pixel or
         less, reflections at each point that is shaded."""
         found: dict[str, object] = {}
@@ -132,7 +132,7 @@ class Passes:
                 found |= self._visibility.find(seen, plan, gbuffers[seen.size])
         if plan.has_traced_reflections:
             with self._watch.drawing("reflections"):
-                found |= self.reflections.find(frame, gbuffers[frame.size], uniforms | found)
+                found |= self.reflections.find(frame, gbuffers[frame.size], uniforms | found, still)
         return found
 
     def _march_media(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object],
