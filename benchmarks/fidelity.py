@@ -4,7 +4,8 @@
 
 The scenarios are those of the corpus, and so is the scorer, `score_fidelity.py`: mean FLIP over interior pixels,
 against the two path tracers of a scenario that agree best. Each version of ours is scored twice: as it is, and encoded
-as the reference is. Two path tracers encode by pow(1 / 2.2) where we and all other engines do as sRGB says.
+as the reference is. Most engines encode by pow(1 / 2.2), and some round codes down, where we encode as sRGB says and
+round to the nearest code. `benchmarks.fidelity_causes` shows which do, by their pictures.
 """
 
 from __future__ import annotations
@@ -42,8 +43,10 @@ VERSIONS: dict[str, dict[str, Any]] = {
 SCALE = {"path": 1 / 3}
 """Of the size that the scenario names; the scorer reduces to a third of it. Others have `DEFAULT_SCALE`."""
 DEFAULT_SCALE = 0.5
-POWER_CODED = ("blender-cycles", "vray")
-"""Path tracers whose pictures are encoded by pow(1 / 2.2)."""
+POWER_CODED = ("blender-cycles", "vray", "stellar", "dspbr-pt", "babylon", "gltf-sample-viewer")
+"""Engines whose pictures are encoded by pow(1 / 2.2)."""
+ROUNDED_DOWN = ("blender-cycles", "vray", "stellar")
+"""Engines whose codes are rounded down, so that they are half a code too dark on average."""
 LIGHT_OF = "path, denoised"
 """The version whose light that of other engines is a multiple of."""
 LIGHTLESS = {"khronos-GlamVelvetSofa": ("default", "path")}
@@ -121,8 +124,7 @@ def _agreed(scorer: ModuleType, only: str) -> Iterator[Scenario]:
 def _row(scorer: ModuleType, scenario: Scenario, options: argparse.Namespace, without_lights: bool,
          kept: dict[str, dict[str, Any]]) -> dict[str, Any]:
     label = scenario.name.removeprefix("khronos-") + ", without the file's lights" * without_lights
-    own = [_score(scorer, scenario, _srgb_coded(scenario.pictures[e]) if e in POWER_CODED else scenario.pictures[e])
-           for e in scenario.references]
+    own = [_score(scorer, scenario, srgb_coded(scenario.pictures[e], e)) for e in scenario.references]
     row: dict[str, Any] = {"scenario": label, "references": scenario.references, "floor": scenario.floor,
                            "third": scenario.third, "own": min(score["plain"] for score in own),
                            "engines": {e: statistics.fmean(_distance(scorer, scenario, r, scenario.pictures[e])
@@ -163,50 +165,56 @@ def _draw(scenario: Scenario, version: str, file: Path, without_lights: bool) ->
 
 def _score(scorer: ModuleType, scenario: Scenario, picture: Picture) -> dict[str, float]:
     """Mean distance to the references, as the picture is and encoded as each of them is."""
-    plain = {engine: _distance(scorer, scenario, engine, picture) for engine in scenario.references}
-    alike = {engine: _distance(scorer, scenario, engine, _power_coded(picture)) for engine in scenario.references
-             if engine in POWER_CODED}
-    return {"plain": statistics.fmean(plain.values()), "alike": statistics.fmean((plain | alike).values())}
+    return {way: statistics.fmean(_distance(scorer, scenario, engine, picture if way == "plain"
+                                            else coded_as(picture, engine)) for engine in scenario.references)
+            for way in ("plain", "alike")}
 
 
 def _distance(scorer: ModuleType, scenario: Scenario, engine: str, picture: Picture) -> float:
     return float(scorer.distance(scenario.pictures[engine], picture)[0])
 
 
-def _power_coded(picture: Picture) -> Picture:
-    """An sRGB picture encoded by pow(1 / 2.2). Where it is not opaque, which is not scored, it is not exact."""
+def coded_as(picture: Picture, engine: str) -> Picture:
+    """An sRGB picture, encoded as `engine` does. Where it is not opaque, which is not scored, it is not exact."""
     rgb, alpha = picture
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    return (np.clip(linear, 0, 1) ** (1 / 2.2)).astype(np.float32), alpha
+    if engine in POWER_CODED:
+        linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+        rgb = np.clip(linear, 0, 1) ** (1 / 2.2)
+    if engine in ROUNDED_DOWN:
+        rgb = np.maximum(rgb - 0.5 / 255, 0)
+    return rgb.astype(np.float32), alpha
 
 
-def _srgb_coded(picture: Picture) -> Picture:
-    """The inverse of `_power_coded`."""
+def srgb_coded(picture: Picture, engine: str) -> Picture:
+    """The inverse of `coded_as`."""
     rgb, alpha = picture
-    linear = np.clip(rgb, 0, 1) ** 2.2
-    coded = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return coded.astype(np.float32), alpha
+    if engine in ROUNDED_DOWN:
+        rgb = rgb + 0.5 / 255
+    if engine in POWER_CODED:
+        linear = np.clip(rgb, 0, 1) ** 2.2
+        rgb = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.clip(rgb, 0, 1).astype(np.float32), alpha
 
 
 def _light(scenario: Scenario, ours: Picture) -> dict[str, float]:
     """How much light each engine's picture has: the median over opaque pixels, as a multiple of that of ours."""
-    own = _radiance(ours)
+    own = radiance(ours).sum(axis=2)
     found = {}
     for engine, picture in scenario.pictures.items():
-        light = _radiance(_srgb_coded(picture) if engine in POWER_CODED else picture)
+        light = radiance(srgb_coded(picture, engine)).sum(axis=2)
         opaque = (picture[1] > 0.998) & (ours[1] > 0.998)
         found[engine] = float(np.median(light[opaque] / np.maximum(own[opaque], 1e-4)))
     return found
 
 
-def _radiance(picture: Picture) -> np.ndarray:
-    """The sum of red, green and blue before the tone curve of the scenarios, of an sRGB picture: ACES, as
-    shaders/display/display.frag has it, solved for its argument."""
+def radiance(picture: Picture) -> np.ndarray:
+    """Linear light before the tone curve of the scenarios, (H, W, 3), of an sRGB picture: ACES, as
+    shaders/display/tonemap.glsl has it, solved for its argument."""
     rgb = picture[0].astype(np.float64)
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     y = np.clip(linear @ np.linalg.inv(_FROM_ODT).T, 1e-5, 0.98)
     a, b, c = 1 - 0.983729 * y, 0.0245786 - 0.4329510 * y, -0.000090537 - 0.238081 * y
-    return ((-b + np.sqrt(b * b - 4 * a * c)) / (2 * a) @ np.linalg.inv(_TO_RRT).T * 0.6).sum(axis=2)
+    return (-b + np.sqrt(b * b - 4 * a * c)) / (2 * a) @ np.linalg.inv(_TO_RRT).T * 0.6
 
 
 _TO_RRT = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
