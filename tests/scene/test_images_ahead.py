@@ -64,6 +64,12 @@ def test_images_beside_the_file_are_there_when_they_are_asked_for(tmp_path, ahea
     assert load_image(WOOD, "JPEG").size == (64, 64)  # a second time it is decoded
 
 
+def test_an_image_that_is_there_twice_is_decoded_once(tmp_path, ahead, caplog):
+    decode_all(gltf(tmp_path, "wood.jpg", "wood.jpg", "stone.png"))
+    assert set(ahead) == {WOOD, STONE} and all(future.done() for future in ahead.values())
+    assert caplog.text == "", "futures tell of what is set twice"
+
+
 def test_images_in_the_binary_chunk_are_found(tmp_path, ahead):
     decode_all(glb(tmp_path, STONE))
     assert set(ahead) == {STONE}

@@ -55,7 +55,8 @@ def _decode_all(model: Path) -> None:
     with suppress(Exception), without_warnings():
         begun: list[tuple[Image.Image, Future[Image.Image]]] = []
         texels = 0
-        for data in sorted(_image_files(model), key=len, reverse=True):
+        different = dict.fromkeys(_image_files(model))  # some files hold an image twice
+        for data in sorted(different, key=len, reverse=True):
             with suppress(Exception):  # other images are none the worse for a broken one
                 opened = Image.open(io.BytesIO(data), formats=_FORMATS)
                 texels += opened.width * opened.height
