@@ -21,7 +21,7 @@ from ..units import UNIT_RAY_POSITIONS, UNIT_REFLECTED
 if TYPE_CHECKING:
     from .reflected_surfaces import ReflectedSurfaces
 
-RAYS = 8
+RAYS = 16
 """From each point of a picture that is kept. A frame of a moving camera has one. Those of 16 points share a lobe."""
 
 
