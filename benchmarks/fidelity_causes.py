@@ -1,9 +1,9 @@
 """Why our path-traced pictures differ from the references of benchmarks.fidelity: python -m benchmarks.fidelity_causes.
 
 For each scenario: the score of our picture, then encoded as each reference is, then also compressed as it is, then also
-with what the references do otherwise undone (`UNDONE`). Three more tables: how
-each path tracer encodes, how light its pictures are, and whether all look from the same place. References are those of
-fidelity.json. Pictures are kept in --pictures as .npz files.
+with what the references do otherwise undone (`UNDONE`). Three more tables: how each path tracer encodes, how light its
+pictures are, and whether all look from the same place. References are those of fidelity.json. Pictures are kept in
+--pictures as .npz files.
 """
 
 from __future__ import annotations
