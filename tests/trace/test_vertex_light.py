@@ -89,7 +89,7 @@ def test_in_a_corner_walls_cover_half_and_leak_nothing(context: Context) -> None
 
 def test_in_a_furnace_what_is_covered_is_as_bright_as_the_rest(context: Context) -> None:
     model = in_furnace(scene((grid(4), facing_floor()), (grid(4), moved((0, 0.5, -0.5)))))
-    for values in bake_incoming(context, model, SETTINGS, samples=1 << 16).per_instance:
+    for values in bake_incoming(context, model, SETTINGS, samples=1 << 17).per_instance:
         values = values.astype(np.float64)
         assert np.abs(values[:, :3] - values[:, 3:]).max() < 0.04
         assert abs(values[:, :3].mean() / values[:, 3].mean() - 1) < 0.01
