@@ -151,6 +151,33 @@ def test_frames_before_and_after_are_as_ever(renderer):
     assert np.array_equal(drawn(renderer, still_life(), CAMERA, "none", **settings), before)
 
 
+def test_as_many_objects_as_numbers_have_bits_for(renderer, monkeypatch):
+    """64 objects fill the six bits of objects, and their triangles those of triangles, here as many as they need. Each
+    object has its own colour."""
+    colors = np.random.default_rng(4).uniform(0.1, 1.0, (64, 3))
+    materials = [replace(ROUGH, base_color=(*color, 1), specular=0.0) for color in colors.tolist()]
+    pictures = []
+    for antialias, bits in (("msaa-4", 22), ("deferred-4", 22), ("deferred-4", 8)):  # 128 triangles, from 1
+        monkeypatch.setattr("viewer.raster.deferred.TRIANGLE_BITS", bits)
+        tiles = [(plate(k, 0.12), moved(((k % 8 - 3.5) / 4, (k // 8 - 3.5) / 4, 0))) for k in range(64)]
+        model = scene(*tiles, materials=materials, environment=constant())
+        pictures.append(drawn(renderer, model, orthographic(), antialias, background="none"))
+    assert renderer.plan.has_deferred and sum(draw.is_deferred for draw in renderer.plan.draws) == 64
+    np.testing.assert_allclose(pictures[1], pictures[0], atol=2e-3)
+    assert np.array_equal(pictures[2], pictures[1])
+
+
+def test_two_objects_of_one_plane_are_two_surfaces(renderer):
+    """Their planes are alike, and neither stands for the other where their edges meet within a pixel."""
+    white, black = (replace(ROUGH, specular=0.0, base_color=(level,) * 3 + (1,)) for level in (0.8, 0.05))
+    model = scene((plate(0), moved((-1.01, 0, 0))), (plate(1), moved((0.99, 0, 0))), materials=(white, black),
+                  environment=constant())
+    deferred, multisampled = (drawn(renderer, model, orthographic(), antialias, background="none")
+                              for antialias in ("deferred-4", "msaa-4"))
+    assert ((multisampled[..., 0] > 0.2) & (multisampled[..., 0] < 0.7)).any()
+    np.testing.assert_allclose(deferred, multisampled, atol=2e-3)
+
+
 def test_planes_and_boxes():
     model = still_life()
     mesh, matrix = model.meshes[1], model.instances[1].transform

@@ -124,6 +124,24 @@ def test_samples_have_their_density(context, tmp_path, name):
         assert (pdf > 0).all()
 
 
+def test_stratified_points_stay_so(context, tmp_path):
+    """Of 1024 points, one in each of 32 x 32 parts of the square of the first two numbers, the 64 parts of a light get
+    what is theirs: Pearson's statistic over their number is below 0.1, where it is 1 for random points."""
+    radiance = np.zeros((64, 128, 3), np.float32)
+    light = np.s_[24:40, 80:96]
+    radiance[light] = 1
+    rng = np.random.default_rng(5)
+    square = (np.indices((32, 32)).reshape(2, -1).T + rng.uniform(size=(1024, 2))) / 32
+    d, _ = Sampled(context, tmp_path, radiance).samples(np.c_[square, rng.uniform(size=1024)])
+    column = (0.5 + np.arctan2(d[:, 2], d[:, 0]) / (2 * np.pi)) * 128 - 80
+    row = np.arccos(d[:, 1]) / np.pi * 64 - 24
+    inside = (column > 0) & (column < 16) & (row > 0) & (row < 16)
+    observed = np.bincount((row[inside] // 2 * 8 + column[inside] // 2).astype(int), minlength=64)
+    densities, solid_angles = cell_densities(radiance)
+    expected = 1024 * (densities * solid_angles)[light].reshape(8, 2, 8, 2).sum(axis=(1, 3)).ravel()
+    assert ((observed - expected) ** 2 / expected).sum() / 64 < 0.2
+
+
 @pytest.mark.parametrize(("name", "angle"), CASES)
 def test_density(context, tmp_path, name, angle):
     """The density integrates to 1 over the sphere and is positive wherever the map is not black."""
