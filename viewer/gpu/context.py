@@ -13,6 +13,7 @@ import moderngl
 
 from ..base.signals import unbroken
 from ..errors import ContextError, UsageError
+from .llvmpipe import keep_fences
 
 MINIMUM_VERSION = 330
 """All rendering needs OpenGL 3.3 core, and nothing newer."""
@@ -76,6 +77,8 @@ class Context:
         self.renderer: str = info["GL_RENDERER"]
         self.vendor: str = info["GL_VENDOR"]
         self.version: str = info["GL_VERSION"]
+        if "llvmpipe" in self.renderer:
+            keep_fences(self)
 
     @property
     def is_software(self) -> bool:
@@ -85,7 +88,11 @@ class Context:
     def function(self, name: str, *arguments: type) -> Callable[..., None]:
         """The OpenGL function `name`, for functions that moderngl does not have. It returns nothing; `arguments` are
         the ctypes of its arguments."""
-        return ctypes.CFUNCTYPE(None, *arguments)(self._loader.load_opengl_function(name))
+        return ctypes.CFUNCTYPE(None, *arguments)(self.address(name))
+
+    def address(self, name: str) -> int:
+        """Where the OpenGL function `name` is in memory."""
+        return self._loader.load_opengl_function(name)
 
     def make_current(self) -> None:
         """Direct this thread's OpenGL calls to this context, and free its objects that Python has garbage-collected."""

@@ -1,0 +1,50 @@
+"""The fences that viewer/gpu/llvmpipe.py keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from contexts import open_or_skip
+from needs import skip
+
+from viewer.gpu.context import Context
+from viewer.gpu.llvmpipe import MOST_HELD, LlvmpipeContext
+
+
+@pytest.fixture
+def context() -> Iterator[Context]:
+    with open_or_skip() as context:
+        if "llvmpipe" not in context.renderer:
+            skip("llvmpipe")
+        yield context
+
+
+def held(context: Context) -> list[int]:
+    assert isinstance(context.gl, LlvmpipeContext)
+    return context.gl.passes.held
+
+
+def test_each_pass_has_its_fence_kept(context: Context) -> None:
+    """Where none was kept, Mesa freed a fence that one of its threads still had locked."""
+    targets = [context.gl.simple_framebuffer((8, 8)) for _ in range(2)]
+    others = [context.gl.framebuffer([context.gl.texture((8, 8), 4)]) for _ in range(2)]
+    before = len(held(context))
+    for target in targets + others:
+        target.use()
+    assert len(held(context)) == before + 4
+    others[0].clear()  # while another is in use: a pass before, and one of its own
+    assert len(held(context)) == before + 6
+    assert len(set(held(context))) == before + 6
+    assert context.gl.fbo is others[1]
+    assert context.gl.error == "GL_NO_ERROR"
+
+
+def test_fences_are_freed_but_the_last(context: Context) -> None:
+    target = context.gl.framebuffer([context.gl.texture((8, 8), 4)])
+    for _ in range(MOST_HELD - len(held(context))):
+        target.use()
+    assert len(held(context)) == MOST_HELD
+    target.use()
+    assert len(held(context)) == 1
+    assert context.gl.error == "GL_NO_ERROR"

@@ -1,0 +1,92 @@
+"""Keeps a defect of Mesa's llvmpipe from corrupting memory (seen in Mesa 22.3.6, and still in its source of 2026).
+
+llvmpipe draws each pass in threads of its own, and they tell the end of one by a fence: a counter behind a mutex
+(lp_fence_signal in src/gallium/drivers/llvmpipe/lp_fence.c). The thread that draws next looks at the counter without
+the mutex (lp_fence_signalled), and frees the fence of a pass that has ended (lp_setup_get_empty_scene in lp_setup.c).
+If the system has stopped the last thread between the counter and the release of the mutex, as it does on a busy
+machine, that release is then written to memory that has been freed, and may be another's by now. glibc sometimes finds
+that: "corrupted double-linked list".
+
+A sync object of OpenGL shares the fence of the pass before it. So one is made after each pass, and lives until the
+threads have ended a later pass: each of them must have released the mutex then.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+
+if TYPE_CHECKING:
+    from .context import Context
+
+_SYNC_GPU_COMMANDS_COMPLETE = 0x9117
+MOST_HELD = 1024
+"""Fences that are kept, of about 100 bytes each, before the next pass waits for the device so that they can be freed.
+"""
+
+
+class LlvmpipeContext(moderngl.Context):
+    """A context that keeps the fence of each pass. A pass ends where a framebuffer is used or cleared."""
+
+    passes: Passes
+    _used: moderngl.Framebuffer | None
+
+    @property  # type: ignore[override]
+    def fbo(self) -> moderngl.Framebuffer | None:
+        """The framebuffer that was used last; moderngl sets it before it binds one."""
+        return self._used
+
+    @fbo.setter
+    def fbo(self, framebuffer: moderngl.Framebuffer | None) -> None:
+        if framebuffer is not None:
+            self.passes.end()
+        self._used = framebuffer
+
+    def framebuffer(self, *arguments: Any, **keywords: Any) -> moderngl.Framebuffer:
+        made = super().framebuffer(*arguments, **keywords)
+        made.__class__ = _Framebuffer
+        return made
+
+
+class _Framebuffer(moderngl.Framebuffer):
+    def clear(self, *arguments: Any, **keywords: Any) -> None:
+        context: Any = self.ctx
+        context.passes.end()
+        super().clear(*arguments, **keywords)
+        if context.fbo is not self:  # moderngl binds that one again
+            context.passes.end()
+
+
+class Passes:
+    """The fences of the passes of a context, which has to be current."""
+
+    def __init__(self, context: Context) -> None:
+        sync = ctypes.c_void_p
+        # These do not wait, so Python's other threads need not go on meanwhile.
+        self._fence = ctypes.PYFUNCTYPE(sync, ctypes.c_uint, ctypes.c_uint)(context.address("glFenceSync"))
+        self._delete = ctypes.PYFUNCTYPE(None, sync)(context.address("glDeleteSync"))
+        self._finish = context.function("glFinish")
+        self.held: list[int] = []
+
+    def end(self) -> None:
+        """Keep the fence of what was drawn until now."""
+        is_full = len(self.held) >= MOST_HELD
+        if is_full:
+            self._finish()
+        self.held.append(self._fence(_SYNC_GPU_COMMANDS_COMPLETE, 0))
+        if is_full:
+            # The wait looks at a counter, too: the threads may not have left the last fence, but all before it.
+            for sync in self.held[:-1]:
+                self._delete(sync)
+            del self.held[:-1]
+
+
+def keep_fences(context: Context) -> None:
+    """Make the context of moderngl a `LlvmpipeContext`."""
+    gl = context.gl
+    used = gl.__dict__.pop("fbo", None)
+    gl.__class__ = LlvmpipeContext
+    assert isinstance(gl, LlvmpipeContext)
+    gl.passes, gl._used = Passes(context), used
