@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import ctypes
 import os
 import sys
 from contextlib import suppress
@@ -40,6 +39,8 @@ def _end(status: int) -> None:
 
     Where that cannot be done, Python does it.
     """
+    import ctypes  # not above, where Ctrl-C is not answered yet and would show a traceback
+
     atexit._run_exitfuncs()
     with suppress(AttributeError, OSError, TypeError, ValueError):
         sys.stdout.flush()
