@@ -102,3 +102,11 @@ def test_grazing_to_the_last_pixel(radiance):
                   lights=(Light.from_angles(np.pi, 0.01, 3.0),), environment=lopsided())
     for mode in ("pbr", "phong"):
         radiance(model, Camera.look_at((0, 1e-3, 5), (0, 1e-3, 0)), SIZE, mode=mode)
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_light_beyond_float32_leaves_room_for_highlights(radiance, mode):
+    materials = [Material(metallic=1.0, perceptual_roughness=roughness) for roughness in (0.0, 0.5)]
+    lights = Light("directional", intensity=1e200), Light("point", intensity=1e200, position=(0, 0, 1))
+    for material in materials:
+        radiance(scene(sphere(), materials=[material], lights=lights), orthographic(), SIZE, mode=mode, shadows="off")

@@ -12,7 +12,7 @@ from PIL import Image
 from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.plan.bsdf_switches import bsdf_switches
 from viewer.scene.environment import Environment
-from viewer.scene.light import Light
+from viewer.scene.light import BRIGHTEST, Light
 from viewer.scene.material import Material, Texture
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
@@ -310,3 +310,8 @@ def test_extreme_powers(context, tmp_path):
     s = Lit(context, tmp_path, scene_of(floor, lights=lights, environment=sky)).samples((0, 0, 0), 10000)
     assert np.isfinite(s["radiance"]).all() and np.isfinite(s["pdf"]).all()
     assert s["is_delta"].mean() == pytest.approx(1 - LEAST_SHARE, abs=0.03)
+
+
+def test_a_light_beyond_float32_leaves_room_for_highlights():
+    lights = tuple(Light(kind, intensity=1e200) for kind in ("directional", "point", "spot"))
+    assert (LightColumns.of(lights, scene_of(FLOOR)).texels[1::3, :3] == np.float32(BRIGHTEST)).all()

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..plan.model import Plan
 from ..scene.frame import Frame
+from ..scene.light import BRIGHTEST
 
 
 def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
@@ -19,7 +20,7 @@ def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
         row[0, 3] = (frame.unit / light.range) ** 2 if light.range else 0.0
         row[1, :3], row[1, 3] = light.direction, layer
         scale = light.intensity if light.kind == "directional" else light.intensity / frame.unit / frame.unit
-        row[2, :3] = np.multiply(light.color, scale)
+        row[2, :3] = np.minimum(np.multiply(light.color, scale), BRIGHTEST)
         row[2, 3] = light.angular_radius**2
         row[3, :2] = light.cone
     return np.clip(rows, -3e38, 3e38).astype(np.float32)

@@ -14,6 +14,8 @@ from .arrays import scene_numbers
 
 RGB = tuple[float, float, float]
 Kind = Literal["directional", "point", "spot"]
+BRIGHTEST = 1e30
+"""The most of an intensity that renderers count, which leaves float32 room for highlights and for sums of lights."""
 
 
 @dataclass(frozen=True)

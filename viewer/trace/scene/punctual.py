@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.color import LUMINANCE
-from ...scene.light import Light, spot_falloff
+from ...scene.light import BRIGHTEST, Light, spot_falloff
 from ...scene.scene import Scene
-
-_BRIGHTEST = 1e300  # so that sums of them stay finite
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +36,7 @@ class LightColumns:
         is_far, is_spot = (np.array([light.kind == kind for light in lights], bool) for kind in ("directional", "spot"))
         intensity = _rows([light.color for light in lights], 3) * _rows([(light.intensity,) for light in lights], 1)
         with np.errstate(over="ignore"):
-            intensity = np.minimum(np.where(is_far[:, None], intensity, intensity / unit / unit), _BRIGHTEST)
+            intensity = np.minimum(np.where(is_far[:, None], intensity, intensity / unit / unit), BRIGHTEST)
         angles = [(light.inner_cone, light.outer_cone) if light.kind == "spot" else (np.pi, np.pi) for light in lights]
         return cls(is_far, is_spot, (_rows([light.position for light in lights], 3) - scene.center) / unit,
                    _rows([light.direction for light in lights], 3), intensity, _rows(angles, 2),
