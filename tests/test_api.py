@@ -18,7 +18,7 @@ from waiting import wait_until
 
 import viewer
 from viewer import api
-from viewer.quality import Quality
+from viewer.quality import VARIABLE, Quality
 
 MODEL = SCENES / "unlit.glb"
 SIZE = (32, 24)
@@ -156,3 +156,8 @@ def test_elsewhere_show_opens_a_window(scene, monkeypatch, shell):
     assert viewer.show(scene, SIZE, mode="phong", quality="high") is None
     given = Quality("high", frozenset({"mode"}))
     assert opened == [(scene, viewer.Settings(mode="phong", denoise="fast"), None, SIZE, given)]
+    monkeypatch.delenv(VARIABLE, raising=False)
+    viewer.show(scene, SIZE)
+    viewer.show(scene, SIZE, time_budget=2.0)  # in mode path, and a key shows mode pbr
+    plain, timed = opened[1:]
+    assert timed[1].mode == "path" and timed[-1].point == plain[-1].point and timed[-1].reason == plain[-1].reason

@@ -226,7 +226,7 @@ def show(
 
     chosen = window_settings(Settings.of(**{"denoise": "fast", **settings}), settings.__contains__)
     size = _checked(size)
-    point = Quality.of(quality, settings, chosen, scene, size)
+    point = Quality.of(quality, settings, replace(chosen, mode="pbr"), scene, size)  # for the keys of the mode
     from .web.cell import in_notebook, view_in_cell
 
     if in_notebook():

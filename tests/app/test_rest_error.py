@@ -12,6 +12,7 @@ import pytest
 import shapes
 from waiting import wait_until
 
+from viewer.estimate.mixture import draw_guide
 from viewer.estimate.paths import path_settings
 from viewer.gpu.context import Context
 from viewer.interact import convergence, picture
@@ -107,6 +108,23 @@ def test_of_a_traced_picture_once_it_is_done(rest, monkeypatch):
     rest.state.toggle_denoise()
     wait_until(lambda: paths.denoised == "off", rest.step)
     assert not error.is_begun, "it is another picture"
+
+
+def test_where_paths_are_too_few_the_picture_that_waited_for_them_is_shown(rest, monkeypatch):
+    """And not a draft, which is all that a moving picture has."""
+    monkeypatch.setattr(convergence, "REST_SECONDS", 0.0)
+    monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.0)
+    guides: list[np.ndarray] = []
+
+    def keep(*arguments):
+        guides.append(draw_guide(*arguments))
+        return guides[-1]
+
+    monkeypatch.setattr(picture, "draw_guide", keep)
+    rest.state.settings = replace(WINDOW, mode="path", denoise="raster", spp=None, time_budget=1e-3)
+    wait_until(lambda: rest.picture.paths.is_done and rest.picture.is_refined, rest.step)
+    assert rest.picture.status().endswith("too few to mix with the real-time picture, which is shown")
+    assert np.allclose(rest.renderer.read_radiance()[..., :3], guides[-1], rtol=2e-3, atol=1e-5)
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -115,7 +116,7 @@ def serve(model: str, **options: Any) -> None:
         scene = make_scene(model, make_environment(options), options)
         warn(model, scene, settings, options)
         camera = make_camera(model, scene, options) if chooses_camera(options) else None
-        quality = make_quality(options, settings, scene, options["size"])
+        quality = make_quality(options, replace(settings, mode="pbr"), scene, options["size"])  # for keys of the mode
         view = RemoteView(lambda: open_context(options["backend"]), scene, settings, camera, options["size"],
                           not options["no_cache"], make_playback(model, scene, options), quality)
         serve_model(view, listener, options["quiet"], print_text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -95,7 +96,7 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     if tell:
         tell(f"{model}: load {time.perf_counter() - start:.3f} s")
     camera = make_camera(model, scene, options) if chooses_camera(options) else None
-    quality = make_quality(options, settings, scene, options["size"])
+    quality = make_quality(options, replace(settings, mode="pbr"), scene, options["size"])  # for the keys of the mode
     open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
                 playback=make_playback(model, scene, options), quality=quality, files=files, watch=watch,
                 full_screen=fullscreen)

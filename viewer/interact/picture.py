@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 
 from ..errors import ViewerError
-from ..estimate.mixture import draw_guide
+from ..estimate.mixture import draw_guide, raster_settings
 from ..image.enlarged import Enlarged
 from ..image.image import Image
 from ..plan.legend import legend
@@ -285,9 +285,13 @@ class Picture:
         return np.ascontiguousarray(pixels[::-1])
 
     def _shots(self, settings: Settings, size: tuple[int, int], still: bool) -> list[tuple[Settings, Part | None]]:
-        """What the raster draws; only a picture at rest has the chosen quality, so that a moving one stays fast."""
+        """What the raster draws; only a picture at rest has the chosen quality, so that a moving one stays fast. Where
+        paths were too few to be mixed with the raster's picture, the one that waited for them is shown."""
+        shots = self._state.shots(settings, size)
+        if still and self._state.modes == ("path",) and self._state.settings.denoise == "raster":
+            return [(replace(raster_settings(shot), caustics=shot.caustics), part) for shot, part in shots]
         quality = self._state.quality if still else DRAFT
-        return [(quality.applied(shot), part) for shot, part in self._state.shots(settings, size)]
+        return [(quality.applied(shot), part) for shot, part in shots]
 
     def _as_drawn(self, still: bool) -> tuple[object, ...]:
         """Of each shot the samples of a pixel, rays and steps where there are media, whether there are photons, and
