@@ -5,6 +5,7 @@
 // acos(0.9) apart, and whose points on the ray are less than a quarter of a pixel from the other's plane. Of a pixel
 // with more than two surfaces, which is rare, all other samples are shaded as the second one.
 #include "raster/planes.glsl"
+#include "raster/chosen.glsl"
 
 uniform usampler2DMS u_triangle_samples; // number of the triangle; 0: none
 uniform mat3 u_ray, u_ray_origin; // (x, y, 1) in normalised device coordinates to a ray's direction, and to its start
@@ -12,9 +13,7 @@ uniform vec3 u_eye;               // from the scene's centre
 uniform vec2 u_pixel;             // size of a pixel: x + y times the distance
 
 in vec2 v_ndc;
-// The first and the second triangle, 0 for the background, and in the last four bits the samples of each. BACKGROUND: it
-// is one of these, too.
-layout(location = 0) out uvec2 o_chosen;
+layout(location = 0) out uvec2 o_chosen; // BACKGROUND: the background counts as a surface
 
 // `o`: where the ray through the pixel's middle starts; `d`: its direction, 1 along the camera's axis.
 bool are_alike(vec4 a, vec4 b, vec3 o, vec3 d) {
@@ -49,5 +48,5 @@ void main() {
 #if BACKGROUND
     covered = all;
 #endif
-    o_chosen = uvec2(first | same << 28, second | (covered & ~same) << 28);
+    o_chosen = uvec2(first, second) | uvec2(same, covered & ~same) << SAMPLES_BIT;
 }

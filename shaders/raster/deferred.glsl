@@ -1,8 +1,9 @@
 // The point of a triangle that a pixel of the screen shows, and what is interpolated there (Burns and Hunt 2013, "The
 // Visibility Buffer"). The triangle's number comes from raster/choose.frag.
 #include "raster/material.glsl"
+#include "raster/chosen.glsl"
 
-uniform usampler2D u_chosen;   // x, y: the triangle of the first and of the second surface in the pixel
+uniform usampler2D u_chosen;
 uniform int u_layer;           // 0: shade the first, 1: the second
 uniform uint u_first_triangle; // the number of the mesh's first triangle, with its object's
 uniform uint u_triangles;      // how many it has
@@ -19,8 +20,8 @@ vec4 geometry(int texel) {
 }
 
 void find_surface() {
-    uvec2 chosen = texelFetch(u_chosen, ivec2(gl_FragCoord.xy), 0).xy & 0xfffffffu;
-    uint triangle = (u_layer == 0 ? chosen.x : chosen.y) - u_first_triangle;
+    uvec2 numbers = chosen_numbers(texelFetch(u_chosen, ivec2(gl_FragCoord.xy), 0).xy);
+    uint triangle = (u_layer == 0 ? numbers.x : numbers.y) - u_first_triangle;
     bool is_mine = triangle < u_triangles; // not in pixels that only help with derivatives
     vec3 corners = geometry(is_mine ? int(triangle) : 0).xyz;
     ivec3 at = int(u_triangles) + 4 * ivec3(corners);

@@ -1,13 +1,15 @@
 // Averages the samples of a pixel as resolve.frag does, over surfaces that were shaded over the screen and lie behind
 // them.
-uniform usampler2D u_chosen; // raster/choose.frag
+#include "raster/chosen.glsl"
+
+uniform usampler2D u_chosen;
 uniform sampler2D u_first, u_second; // radiance of the first and of the second surface
 uniform sampler2DMS u_samples;
 out vec4 o_color;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    uvec2 bits = texelFetch(u_chosen, pixel, 0).xy >> 28;
+    uvec2 bits = chosen_samples(texelFetch(u_chosen, pixel, 0).xy);
     vec4 sum = vec4(0.0), first = texelFetch(u_first, pixel, 0);
     vec2 seen = vec2(0.0);
     for (int k = 0; k < SAMPLES; ++k) {

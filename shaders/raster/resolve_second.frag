@@ -1,6 +1,8 @@
 // Where a pixel shows a second surface, or the first covers some samples alone, their mean: what is blended with the
 // first surface, and the part that this has. OVER: with what was drawn over both in the samples, in any pixel.
-uniform usampler2D u_chosen; // raster/choose.frag
+#include "raster/chosen.glsl"
+
+uniform usampler2D u_chosen;
 uniform sampler2D u_second;  // radiance of the second surface
 #if OVER
 uniform sampler2DMS u_samples;
@@ -11,7 +13,7 @@ layout(location = 0, index = 1) out vec4 o_first;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    uvec2 bits = texelFetch(u_chosen, pixel, 0).xy >> 28;
+    uvec2 bits = chosen_samples(texelFetch(u_chosen, pixel, 0).xy);
     vec4 second = texelFetch(u_second, pixel, 0), sum = vec4(0.0);
     vec2 seen = vec2(0.0);
 #if OVER
