@@ -66,11 +66,18 @@ def test_a_plain_picture_imports_nothing_that_other_pictures_need(tmp_path):
 
 
 def test_the_end_is_that_of_python():
-    """Functions that are registered for it are called, what was printed is written, and the status is that of main."""
-    code = "import atexit\nfrom viewer.__main__ import main\natexit.register(print, 'the', 'last', end='')\nmain()"
+    """Threads are waited for, then functions that are registered for it are called, what was printed is written, and
+    the status is that of main."""
+    code = """
+import atexit, threading, time
+from viewer.__main__ import main
+atexit.register(print, "the last", end="")
+threading.Thread(target=lambda: time.sleep(0.5) or print("a thread,", end=" ")).start()
+main()
+"""
     for words, status in (("--help", 0), ("--halp", 2)):
         done = subprocess.run([sys.executable, "-c", code, words], capture_output=True, text=True)
-        assert (done.returncode, done.stdout[-8:]) == (status, "the last")
+        assert (done.returncode, done.stdout[-18:]) == (status, "a thread, the last")
 
 
 def test_no_library_tells_of_leaks_at_the_end():
