@@ -63,7 +63,8 @@ def _decode_all(model: Path) -> None:
                 if texels > _MOST_TEXELS:
                     break
                 if opened.format == "JPEG" or data[24] == 8:  # of PNGs the depth; Pillow does not decode all of 16 bits
-                    begun.append((opened, _ahead.setdefault(data, Future())))
+                    future = _ahead[data] = Future()
+                    begun.append((opened, future))
         for image, future in begun:
             if future.set_running_or_notify_cancel():
                 try:
