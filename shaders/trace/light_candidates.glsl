@@ -15,7 +15,7 @@ struct SurfaceLight {
     float side; // of the surface, 0: there is no sample
 };
 
-// u.xyz sample lights, u.w chooses among `count` of them.
+// u.xyz sample lights, u.w chooses among `count` of them: one or two, since for more it would take a number for each.
 SurfaceLight sample_light_at(Interaction i, Bsdf bsdf, mat3 frame, vec3 wo, vec3 n_light, vec4 u, int count) {
     SurfaceLight chosen;
     chosen.side = 0.0;

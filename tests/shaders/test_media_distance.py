@@ -172,7 +172,7 @@ def airlight(given, sigma):
 
 @pytest.mark.parametrize("sigma", [0.01, 1.0, 20.0])
 def test_equiangular_and_free_distances_combined(sigma):
-    """In-scattering by both techniques with the power heuristic equals quadrature."""
+    """In-scattering by both techniques equals quadrature. Each is weighed by the square of its density."""
     given, count = ray(0.2, -0.4, 1.5), 1 << 14
     u = midpoints(count)
     e, t_e, _ = sampled(given, u)
