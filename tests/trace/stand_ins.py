@@ -9,8 +9,9 @@ import moderngl
 import numpy as np
 
 from viewer.gpu.context import Context
+from viewer.gpu.ray_textures import WholeTextures
 from viewer.trace.kinds import SURFACE, Kind
-from viewer.trace.rays.intersect import Intersector, WholeTextures
+from viewer.trace.rays.intersect import Intersector
 from viewer.trace.scene.curves import TraceCurves
 
 

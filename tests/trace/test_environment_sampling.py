@@ -126,7 +126,7 @@ def test_samples_have_their_density(context, tmp_path, name):
 
 def test_stratified_points_stay_so(context, tmp_path):
     """Of 1024 points, one in each of 32 x 32 parts of the square of the first two numbers, the 64 parts of a light get
-    what is theirs: Pearson's statistic over their number is below 0.1, where it is 1 for random points."""
+    what is theirs: Pearson's statistic over their number is below 0.2, where it is 1 for random points."""
     radiance = np.zeros((64, 128, 3), np.float32)
     light = np.s_[24:40, 80:96]
     radiance[light] = 1

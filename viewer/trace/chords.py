@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.context import Context
+from ..gpu.ray_textures import WholeTextures
 from ..scene.scene import Scene
 from .layout import IN_FLIGHT, INSTANCE_MASK, MISS
-from .rays.intersect import WholeTextures, make_intersector
+from .rays.intersect import make_intersector
 from .scene.geometry import TraceGeometry, trace_geometry
 from .surface_points import SurfacePoints, SurfaceTriangles, fit, interpolate, sample_surfaces, surface_triangles, unit
 from .vertex_light import VertexLight

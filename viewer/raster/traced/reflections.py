@@ -11,10 +11,10 @@ from ...base.reusable import Reusable
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
+from ...gpu.ray_textures import WholeTextures
 from ...scene.frame import Frame
 from ...scene.scene import Scene
 from ...settings import Settings
-from ...trace.rays.intersect import WholeTextures
 from ..gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from ..units import UNIT_RAY_POSITIONS, UNIT_REFLECTED
 

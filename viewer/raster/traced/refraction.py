@@ -13,10 +13,10 @@ from ...base.reusable import Reusable
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
+from ...gpu.ray_textures import WholeTextures
 from ...plan.model import Plan
 from ...scene.frame import Frame
 from ...scene.scene import Scene
-from ...trace.rays.intersect import WholeTextures
 from ..depth import Depth
 from ..gbuffer import nearest_texture
 from ..units import UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_REFRACTED

@@ -61,20 +61,6 @@ class WavefrontTextures(Protocol):
         device."""
 
 
-class WholeTextures:
-    """What else `WavefrontTextures` has, of textures whose rows are all traced, without shadow rays to the camera."""
-
-    hit: moderngl.Texture
-    sees_backs = False
-
-    @property
-    def rows(self) -> int:
-        return self.hit.height
-
-    def read(self, name: str, texels: np.ndarray) -> None:
-        getattr(self, name).read_into(texels)
-
-
 @dataclass
 class Answer:
     """The result of a trace.
