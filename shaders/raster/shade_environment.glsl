@@ -65,6 +65,25 @@ vec3 shade_coat(Point p, Coat c, float occlusion, vec4 visible) {
 }
 #endif
 
+#if SHEEN
+// The sheen gathers light about an axis of its own. What hides light of the base is taken to hide the same part of it.
+vec3 shade_sheen(Point p, Sheen s, float occlusion, vec4 visible) {
+    mat2x3 specular = mat2x3(0.0);
+    vec3 around = vec3(0.0), axis = sheen_axis(s, p.n, p.v, p.NoV);
+#if HAS_ENVIRONMENT
+    around = environment_irradiance_over_pi(axis);
+#if ZELTNER
+    around = mix(0.5 * (around + environment_irradiance_over_pi(-axis)), around, sheen_sidedness(s));
+#endif
+#endif
+#if MEDIA
+    light_through_media(axis, axis, specular, around);
+#endif
+    meet_other_surfaces(p.NoV, 1.0, occlusion, visible, specular, around);
+    return s.albedo * around;
+}
+#endif
+
 vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, vec4 visible) {
     mat2x3 specular = mat2x3(0.0);
     vec3 mean_light = vec3(0.0);
@@ -89,9 +108,6 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #endif
 #if TRACED_REFLECTION
     mat2x3 unoccluded = specular;
-#endif
-#if SHEEN
-    vec3 unhidden = mean_light;
 #endif
     meet_other_surfaces(p.NoV, mean_alpha(s), occlusion, visible, specular, mean_light);
 #if TRACED_REFLECTION
@@ -123,18 +139,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     radiance += from_all_around(p, s, view) * light_all_around(p, occlusion, visible);
 #endif
 #if SHEEN
-    vec3 around = mean_light;
-#if HAS_ENVIRONMENT
-    // What occludes the light of the base, or is added to it, is taken to do so about the axis of the sheen.
-    vec3 axis = sheen_axis(view.sheen, p.n, p.v, p.NoV);
-    vec3 gathered = environment_irradiance_over_pi(axis);
-#if ZELTNER
-    gathered = mix(0.5 * (gathered + environment_irradiance_over_pi(-axis)), gathered, sheen_sidedness(view.sheen));
-#endif
-    around += gathered - unhidden;
-    around = max(around, 0.0);
-#endif
-    radiance = sheen_over(view.sheen, view.sheen.albedo * around, radiance);
+    radiance = sheen_over(view.sheen, shade_sheen(p, view.sheen, occlusion, visible), radiance);
 #endif
 #if CLEARCOAT
     radiance = coat_over(view.coat, shade_coat(p, view.coat, occlusion, visible), radiance);

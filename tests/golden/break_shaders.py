@@ -141,7 +141,7 @@ MUTATIONS = [
     Mutation("sheen without masking", "bsdf/charlie.glsl",
              "(1.0 + charlie_lambda(NoV, a) + charlie_lambda(NoL, a))", "1.0"),
     Mutation("sheen's sine without its power", "bsdf/charlie.glsl", "pow(max(s2, 1e-30), 0.5 / a)", "s2"),
-    Mutation("sheen reflects no environment", "raster/shade_environment.glsl", "view.sheen.albedo * around",
+    Mutation("sheen reflects no environment", "raster/shade_environment.glsl", "s.albedo * around",
              "vec3(0.0)"),
     Mutation("coat takes nothing from what lies below", "bsdf/layer/coat.glsl", "coat + c.throughput * below",
              "coat + below"),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from shapes import constant, lopsided, orthographic, scene, sphere
+from images import image_of
+from shapes import constant, lopsided, orthographic, plate, scene, sphere
 
 from viewer.gpu.call import call_glsl
 from viewer.scene.light import Light
-from viewer.scene.material import Material
+from viewer.scene.material import Material, Texture
 
 CAMERA, SIZE = orthographic(0.5, 0.4, height=2.1), (48, 48)
 ROUGHNESS = (0.05, 0.2, 0.4, 0.7, 1.0)
@@ -81,3 +84,16 @@ def test_the_base_has_no_say_in_what_the_fibres_reflect_of_the_environment(radia
     cloths = [Material(sheen_color=(1, 1, 1), sheen_roughness=0.5, diffuse_roughness=r, **black) for r in (0.0, 1.0)]
     even, rough = (radiance(scene(sphere(), materials=[m], environment=lopsided()), CAMERA, SIZE) for m in cloths)
     np.testing.assert_allclose(rough, even, atol=1e-5 * even.max())
+
+
+def test_what_hides_light_of_the_base_hides_the_same_part_of_the_light_of_the_fibres(radiance):
+    """However much more or less comes from where they look: the left half of the map hides four fifths."""
+    hidden = Texture(image_of(np.repeat(np.uint8([[[51] * 3, [255] * 3]]), 8, axis=1)))
+    cloth = Material(metallic=0.0, specular=0.0, base_color=(0.0, 0.0, 0.0, 1.0), sheen_color=(1, 1, 1),
+                     sheen_roughness=0.5)
+    plain, found = (radiance(scene(plate(), materials=[m], environment=lopsided()), orthographic(0.5, 0.4), (32, 32))
+                    for m in (cloth, replace(cloth, occlusion_texture=hidden)))
+    left, right = np.s_[12:20, 6:12, :3], np.s_[12:20, 20:26, :3]
+    assert plain[left].min() > 0.01
+    np.testing.assert_allclose(found[left], 0.2 * plain[left], rtol=5e-3)
+    np.testing.assert_allclose(found[right], plain[right], rtol=5e-3)
