@@ -4,10 +4,6 @@
 // the density of sample_light; they need not be independent, and are opposite in the square of u.
 #include "sample/luminance.glsl"
 
-// Under an environment a second candidate is worth its time (benchmarks/results/trace_variance.md) where the camera
-// looks; later there is less to gain, and in scenes with glass most noise is of light that no light sample finds.
-const int FIRST_CANDIDATES = HAS_ENVIRONMENT == 1 && HAS_TRANSMISSION == 0 ? 2 : 1;
-
 struct SurfaceLight {
     LightSample light;
     vec3 f_cos; // the BSDF times the cosine, for as many candidates as the sample stands for

@@ -131,7 +131,7 @@ void main() {
     const vec3 n_light = vec3(0.0);
 #endif
     u_light.w /= m.coverage; // below it, for else the path went straight on
-    int candidates = p.depth == 0 ? FIRST_CANDIDATES : 1;
+    int candidates = p.depth == 0 ? FIRST_CANDIDATES : 1; // later there is less to gain
     SurfaceLight lit = sample_light_at(i, bsdf, frame, local_wo, n_light, u_light, candidates);
     if (lit.side != 0.0 && !(may_pass && is_last))
         send_shadow_ray(p, i.position, lit.side * i.n_geometric, medium_at(p, i, m, lit.side), lit.light, lit.f_cos,

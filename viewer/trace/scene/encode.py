@@ -57,6 +57,9 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     switches["HAS_TRANSMISSION"] |= geometry.scatters
     switches["HAS_TRANSMISSION"] |= any(m.transmits_diffusely and not m.is_thin for m in materials)
     return {name: int(value or everything) for name, value in switches.items()} | {
+        # One of two light samples is worth its time under an environment (benchmarks/results/trace_variance.md), but
+        # not with glass, where most noise is of light that no light sample finds.
+        "FIRST_CANDIDATES": 1 + (scene.environment is not None and not switches["HAS_TRANSMISSION"]),
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "HAS_PANES": int(geometry.has_panes),
         "HAS_NESTED": int(bool(geometry.indices)),
