@@ -43,6 +43,17 @@ def test_the_first_signal_is_recorded_and_the_second_raises():
         assert signal.getsignal(signal.SIGINT) is handler
 
 
+def test_a_block_within_another_has_the_same_request():
+    with stoppable(), postponed() as outer:
+        with postponed() as inner:
+            os.kill(os.getpid(), signal.SIGINT)
+            assert inner.number == signal.SIGINT
+        assert outer.number == signal.SIGINT
+        with pytest.raises(Stopped):
+            os.kill(os.getpid(), signal.SIGINT)
+            threading.Event().wait(5)
+
+
 def test_in_a_block_that_may_not_be_broken_a_signal_waits_for_its_end():
     for scope, error in ((stoppable, Stopped), (nullcontext, KeyboardInterrupt)):
         ended = False

@@ -177,13 +177,16 @@ def test_a_turntable_of_one_frame_is_the_picture_at_its_start(run, folder, name)
     assert near < 12 and near < 0.5 * far
 
 
-def test_ctrl_c_leaves_a_whole_shorter_film(run, moving, monkeypatch):
+@pytest.mark.parametrize("signals", [1, 2])
+def test_ctrl_c_leaves_a_whole_shorter_film(run, moving, monkeypatch, signals):
+    """Twice does so too, in the middle of a picture."""
     real, made = RasterMaker.make, []
 
     def make(self, *args):
         made.append(1)
         if len(made) == 4:
-            os.kill(os.getpid(), signal.SIGINT)
+            for _ in range(signals):
+                os.kill(os.getpid(), signal.SIGINT)
         return real(self, *args)
 
     monkeypatch.setattr(RasterMaker, "make", make)
@@ -191,6 +194,19 @@ def test_ctrl_c_leaves_a_whole_shorter_film(run, moving, monkeypatch):
     assert outcome.status == 130 and outcome.error == "a.gif: stopped after 3 of 10 frames"
     assert len(decoded(moving.parent / "a.gif")[0]) == 3
     assert json.loads((moving.parent / "a.json").read_text())["frames"] == 3
+
+
+def test_ctrl_c_while_the_film_is_written_leaves_it_whole(run, moving, monkeypatch):
+    real = Pillow.Image.save
+
+    def save(self, *args, **options):
+        os.kill(os.getpid(), signal.SIGINT)
+        real(self, *args, **options)
+
+    monkeypatch.setattr(Pillow.Image, "save", save)
+    outcome = run("render", "a.glb", "-o", "a.gif", "--fps", "2", *SMALL)
+    assert outcome.status == 130 and outcome.error == "a.gif: stopped after 4 of 4 frames"
+    assert len(decoded(moving.parent / "a.gif")[0]) == 4
 
 
 @pytest.mark.parametrize("options, problem", [

@@ -28,28 +28,32 @@ class Stopped(BaseException):
 
 
 class StopRequest:
-    """`number` is the signal that has asked to stop, or None as long as there was none."""
+    """`number` is the signal that has asked to stop, or None as long as there was none. It handles signals: it records
+    the first, and raises Stopped for the next."""
 
     number: int | None = None
+
+    def __call__(self, number: int, frame: object) -> None:
+        if self.number is not None:
+            raise Stopped(number)
+        self.number = number
 
 
 @contextmanager
 def postponed() -> Iterator[StopRequest]:
     """In the block the first signal to stop is only recorded, so that the work can end by itself; the next raises
-    Stopped.
+    Stopped. A block within another has the same request: a film that is to end ends its picture, too.
 
     This works inside a `stoppable` block. Elsewhere, for example in a program that uses this package, the handlers of
     signals are not changed.
     """
+    handlers = {number: signal.getsignal(number) for number in _stop_signals()}
+    outer = next((handler for handler in handlers.values() if isinstance(handler, StopRequest)), None)
+    if outer is not None:
+        yield outer
+        return
     request = StopRequest()
-    before = {number: handler for number in _stop_signals() if isinstance(handler := signal.getsignal(number), _Stop)}
-
-    def record(number: int, frame: object) -> None:
-        if request.number is not None:
-            raise Stopped(number)
-        request.number = number
-
-    with _handlers(dict.fromkeys(before, record)):
+    with _handlers({number: request for number, handler in handlers.items() if isinstance(handler, _Stop)}):
         yield request
 
 

@@ -13,7 +13,7 @@ from ..base.atomic import made_folders
 from ..base.memory import memory_mb
 from ..base.messages import say
 from ..base.progress import Progress
-from ..base.signals import postponed
+from ..base.signals import Stopped, postponed
 from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import write_film
 from ..image.image import Image
@@ -177,7 +177,9 @@ class ModelRenderer:
         path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
         progress.say(f"{path.name}: rendering")
         self._choose_quality(scene, self._request.size)  # one for all frames
-        count = write_film(path, self._frames(scene, film, path, progress), film.fps)
+        with postponed() as request:
+            count = write_film(path, self._frames(scene, film, path, progress), film.fps)
+        self._maker.stopped = self._maker.stopped or request.number
         self._warn_after(task.model, scene, known, [])
         rendered = time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": 0.0, "total": rendered - start}
@@ -232,13 +234,20 @@ class ModelRenderer:
         return ""
 
     def _frames(self, scene: Scene, film: Film, path: Path, progress: Progress) -> Iterator[Image]:
-        """The pictures of a film. The first signal to stop ends them, after one at least."""
+        """The pictures of a film. The first signal to stop ends them, after one at least; the next, at once after the
+        first picture."""
         maker = self._maker
         with postponed() as request:
             for k, frame in enumerate(film.frames):
                 scene = frame.of(scene)
                 progress.part(k / len(film.frames), f"{path.name}: frame {k + 1} of {len(film.frames)}")
-                image = maker.make(scene, film.camera(scene, frame), path, progress)
+                try:
+                    image = maker.make(scene, film.camera(scene, frame), path, progress)
+                except Stopped as stopped:
+                    if k == 0:
+                        raise
+                    maker.stopped = stopped.number
+                    break
                 maker.stopped = maker.stopped or request.number
                 if k == 0 or maker.stopped is None:
                     yield image
