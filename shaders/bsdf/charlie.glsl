@@ -23,31 +23,39 @@ float charlie_lambda(float mu, float a) {
     return exp(2.0 * charlie_log_lambda(0.5, a) - charlie_log_lambda(max(1.0 - mu, 1e-6), a));
 }
 
-float quartic(float x, float a, float b, float c, float d, float e) {
-    return a + x * (b + x * (c + x * (d + x * e)));
+float quintic(float x, float a, float b, float c, float d, float e, float f) {
+    return a + x * (b + x * (c + x * (d + x * (e + x * f))));
 }
 
-// The directional albedo E of f: exp of a polynomial in sqrt(mu) and the roughness, fitted to quadrature from
-// above: it is up to 0.01 too large, so that what the fibres take from the base is at least what they reflect.
+// The directional albedo of D V alone, for roughnesses from CHARLIE_SMOOTHEST: exp of a polynomial in the fourth root of
+// mu and the roughness, fitted to quadrature from above. It is up to 0.005 too large, so that what the fibres take from
+// the base is at least what they reflect. Below a cosine of 1e-4 it stays what it is there.
+float charlie_unlimited_albedo(float mu, float perceptual_roughness) {
+    float s = 2.0 * sqrt(sqrt(clamp(mu, 1e-4, 1.0))) - 1.0;
+    float r = 2.5 * perceptual_roughness - 1.5;
+    float p = quintic(r, -1.1111, 0.3778, -0.0904, 0.3514, 0.0022, -0.3785);
+    p = p * s + quintic(r, 0.3374, 0.9662, -0.3609, -0.5790, 0.0651, 0.3450);
+    p = p * s + quintic(r, 0.7990, -0.1157, -0.2997, -0.2301, -0.0294, 0.4721);
+    p = p * s + quintic(r, -0.7856, -0.4726, -0.0081, 0.7379, -0.2328, -0.2116);
+    p = p * s + quintic(r, -0.1177, 0.2996, -0.1524, 0.3770, -0.2498, -0.0578);
+    p = p * s + quintic(r, -0.7592, 0.4594, -0.2712, 0.1416, -0.2879, 0.2047);
+    p = p * s + quintic(r, -0.8396, 0.2840, -0.2517, 0.1436, -0.2119, 0.1621);
+    p = p * s + quintic(r, -0.3806, 0.2442, 0.1043, -0.2060, 0.0125, -0.0009);
+    return exp(p);
+}
+
+// The directional albedo E of f. The limit comes before the weight, as in f: dimmed fibres reflect the same share of it.
 float charlie_albedo(float mu, float perceptual_roughness) {
-    float s = 2.0 * sqrt(clamp(mu, 0.0, 1.0)) - 1.0;
-    float r = 2.5 * clamp(perceptual_roughness, CHARLIE_SMOOTHEST, 1.0) - 1.5;
-    float p = quartic(r, -0.7901, 0.2962, -0.1467, 0.1876, -0.2390);
-    p = p * s + quartic(r, 0.1847, 0.4188, -0.6396, 0.3016, 0.0505);
-    p = p * s + quartic(r, 0.6271, -0.0119, -0.4340, 0.2164, 0.2613);
-    p = p * s + quartic(r, -0.2649, -0.0920, 0.0879, 0.2357, -0.2121);
-    p = p * s + quartic(r, -0.5478, 0.2806, -0.1475, 0.4777, -0.4359);
-    p = p * s + quartic(r, -1.1331, 0.4908, -0.5048, 0.6949, -0.4084);
-    p = p * s + quartic(r, -0.8649, 0.4209, -0.0915, 0.0423, -0.1212);
-    return exp(p) * charlie_weight(perceptual_roughness);
+    float r = clamp(perceptual_roughness, CHARLIE_SMOOTHEST, 1.0);
+    return min(charlie_unlimited_albedo(mu, r), 1.0) * charlie_weight(perceptual_roughness);
 }
 
-// f for the cosines NoV and NoL and the sine squared of the half vector. At grazing angles, where E exceeds 1 for the
-// smoothest fibres, it is divided by the larger of both directions' E.
+// f for the cosines NoV and NoL and the sine squared of the half vector. At grazing angles, where D V reflects more than
+// all for the smoothest fibres, it is divided by the larger of both directions' albedo.
 float charlie(float NoV, float NoL, float s2, float perceptual_roughness) {
     float r = clamp(perceptual_roughness, CHARLIE_SMOOTHEST, 1.0);
     float a = r * r;
     float d = (2.0 + 1.0 / a) * pow(max(s2, 1e-30), 0.5 / a) * 0.5 * INV_PI;
     float v = 0.25 / ((1.0 + charlie_lambda(NoV, a) + charlie_lambda(NoL, a)) * max(NoV * NoL, 1e-12));
-    return d * v * charlie_weight(perceptual_roughness) / max(1.0, charlie_albedo(min(NoV, NoL), r));
+    return d * v * charlie_weight(perceptual_roughness) / max(1.0, charlie_unlimited_albedo(min(NoV, NoL), r));
 }

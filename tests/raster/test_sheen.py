@@ -19,21 +19,20 @@ SWITCHES = {"SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1, "MULTISCATTER": 1}
 
 
 @pytest.mark.parametrize("roughness", ROUGHNESS)
-def test_the_albedo_is_that_of_the_lobe_or_a_hundredth_more(roughness):
+def test_the_albedo_is_that_of_the_lobe_or_half_a_hundredth_more(roughness):
     """By quadrature of the lobe; so that what the fibres take from the cloth is at least what they reflect."""
     x, weight = np.polynomial.legendre.leggauss(64)
     mu, phi = ((x + 1) / 2) ** 2, (np.arange(96) + 0.5) / 96 * np.pi
     weights = ((weight * (x + 1) / 2 * mu)[:, None] * 2 * np.pi / 96) + 0 * phi
     NoL, cosine = np.broadcast_arrays(mu[:, None], np.cos(phi))
-    for NoV in (1.0, 0.7, 0.4, 0.2, 0.1, 0.05, 0.01):
+    for NoV in (1.0, 0.7, 0.4, 0.2, 0.1, 0.05, 0.01, 0.003):
         LoV = NoV * NoL + np.sqrt((1 - NoV**2) * (1 - NoL**2)) * cosine
         s2 = 1 - (NoV + NoL) ** 2 / (2 + 2 * LoV)
         f = call_glsl("bsdf/charlie.glsl", "charlie", NoV=np.full_like(NoL, NoV), NoL=NoL, s2=s2,
                       perceptual_roughness=np.full_like(NoL, roughness))
         assert np.isfinite(f).all() and f.min() >= 0
         found = call_glsl("bsdf/charlie.glsl", "charlie_albedo", mu=NoV, perceptual_roughness=roughness)
-        excess = min(float(found), 1.0) - (f * weights).sum()
-        assert -1e-3 < excess < (0.011 if NoV >= 0.05 or roughness > 0.2 else 0.12)
+        assert -2e-4 < float(found) - (f * weights).sum() < 0.0055
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.01, 0.3, 1.0])

@@ -46,11 +46,11 @@ def test_white_vanishes_in_the_furnace(tracer, name):
 @pytest.mark.parametrize("change, lobe", [
     ({}, "charlie"), ({"thickness": 0.0, "transmission": 0.5}, "charlie"), ({"clearcoat": 1.0}, "zeltner")])
 def test_glass_below_fibres_vanishes_but_for_the_fit_of_their_albedo(tracer, change, lobe):
-    """Charlie's is up to 0.01 too large, lest light be won."""
+    """Charlie's is up to 0.005 too large, lest light be won."""
     material = replace(GLASS, sheen_color=(1.0, 1.0, 1.0), sheen_roughness=0.4, **change)
     model = scene(sphere(segments=96), materials=[material], environment=constant())
     both = halves(tracer, model, FRONT, (32, 32), spp=64, sheen=lobe)
-    assert 0.99 < both.mean.mean() < 1.002
+    assert 0.995 < both.mean.mean() < 1.002
     assert np.abs(reduced(both.mean, 4) - 1).max() < 0.05
 
 

@@ -30,7 +30,7 @@ float sheen_reflectance(float mu, float perceptual_roughness) {
 #if ZELTNER
     return zeltner_albedo(mu, perceptual_roughness);
 #else
-    return min(charlie_albedo(mu, perceptual_roughness), 1.0);
+    return charlie_albedo(mu, perceptual_roughness);
 #endif
 }
 
