@@ -40,6 +40,13 @@ def test_factors_and_extensions():
     assert not warnings
 
 
+def test_emission_beyond_float32_is_clamped():
+    material, warnings = read({"emissiveFactor": [1, 0.5, 0], "extensions": {
+        "KHR_materials_emissive_strength": {"emissiveStrength": 1e200}}})
+    assert material.emissive == (1e30, 5e29, 0)
+    assert len(warnings) == 1 and "emissiveStrength" in warnings[0] and "1e+200" in warnings[0]
+
+
 def test_transmission_and_volume():
     builder = GltfBuilder()
     a, b = builder.texture(), builder.texture()

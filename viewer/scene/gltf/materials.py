@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..animation import Animation
+from ..light import BRIGHTEST
 from ..material import (
     METALLIC_ROUGHNESS,
     SPECULAR_GLOSSINESS,
@@ -91,8 +92,7 @@ class Materials:
         """The value at rest of what a track moves of a used material of the file, (C,): `name` is as in `Target`."""
         element, material = self._items[index], self._material(index)
         if name == "emissive_strength":
-            extension = element.extension("KHR_materials_emissive_strength")
-            return np.atleast_1d(1.0 if extension is None else extension.number("emissiveStrength", 1.0, 0.0))
+            return np.atleast_1d(_emissive_strength(element))
         if name == "emissive":  # `Material.emissive` is multiplied by the strength
             return np.array(element.vector("emissiveFactor", 3, (0.0, 0.0, 0.0), 0.0, 1.0))
         field, _, part = name.partition(".")
@@ -100,6 +100,11 @@ class Materials:
         if part:
             value = getattr((value.transform if value is not None else None) or UVTransform(), part)
         return np.atleast_1d(np.array(value, np.float64))
+
+
+def _emissive_strength(element: Element) -> float:
+    extension = element.extension("KHR_materials_emissive_strength")
+    return 1.0 if extension is None else extension.number("emissiveStrength", 1.0, 0.0, BRIGHTEST)
 
 
 def read_material(element: Element, textures: Textures) -> Material:
@@ -117,10 +122,8 @@ def read_material(element: Element, textures: Textures) -> Material:
         place = places.get(source.info.feature)
         if place is not None:
             values[f"{source.name}_texture"] = textures.read(place, source.info.key, source.info.neutral)
-    strength = element.extension("KHR_materials_emissive_strength")
-    if strength is not None:
-        factor = strength.number("emissiveStrength", 1.0, 0.0)
-        values["emissive"] = tuple(channel * factor for channel in values["emissive"])
+    strength = _emissive_strength(element)
+    values["emissive"] = tuple(channel * strength for channel in values["emissive"])
     if glossy is not None:
         values |= read_specular_glossiness(glossy, textures)
     values |= read_scatter(element, {**_DEFAULTS, **values})
