@@ -47,6 +47,9 @@ POWER_CODED = ("blender-cycles", "vray", "stellar", "dspbr-pt", "babylon", "gltf
 """Engines whose pictures are encoded by pow(1 / 2.2)."""
 ROUNDED_DOWN = ("blender-cycles", "vray", "stellar")
 """Engines whose codes are rounded down, so that they are half a code too dark on average."""
+RULE = 2
+"""Of these encodings, by which a score in brackets and light were found. Results without a number are of the first one,
+which knew the first two engines of `POWER_CODED` and no rounding."""
 LIGHT_OF = "path, denoised"
 """The version whose light that of other engines is a multiple of."""
 LIGHTLESS = {"khronos-GlamVelvetSofa": ("default", "path")}
@@ -75,7 +78,7 @@ def main() -> None:
     options = _parse()
     scorer = _scorer()
     kept = {row["scenario"]: row for row in json.loads((options.results / "fidelity.json").read_text())["rows"]
-            } if options.versions else {}
+            } if options.versions or options.kept else {}
     rows: list[dict[str, Any]] = []
     loads: list[float] = []
     with machine.until_stopped():
@@ -126,19 +129,18 @@ def _row(scorer: ModuleType, scenario: Scenario, options: argparse.Namespace, wi
     label = scenario.name.removeprefix("khronos-") + ", without the file's lights" * without_lights
     own = [_score(scorer, scenario, srgb_coded(scenario.pictures[e], e)) for e in scenario.references]
     row: dict[str, Any] = {"scenario": label, "references": scenario.references, "floor": scenario.floor,
-                           "third": scenario.third, "own": min(score["plain"] for score in own),
+                           "third": scenario.third, "own": min(own, key=lambda score: score["plain"]),
                            "engines": {e: statistics.fmean(_distance(scorer, scenario, r, scenario.pictures[e])
                                                            for r in scenario.references)
                                        for e in scorer.REAL_TIME if e in scenario.pictures}}
     for version in LIGHTLESS[scenario.name] if without_lights else VERSIONS:
-        if options.versions and version not in options.versions:
-            names = (version, "light") if version == LIGHT_OF else (version,)
-            row |= {name: kept[label][name] for name in names if name in kept[label]}
-            continue
         file = options.pictures / version / f"{scenario.name}{'-lightless' * without_lights}.png"
+        is_left = options.versions and version not in options.versions
+        if is_left or (options.kept and not file.is_file()):
+            names = (version, "light") if version == LIGHT_OF else (version,)
+            row |= {name: kept[label][name] for name in names if name in kept.get(label, {})}
+            continue
         if not file.is_file():
-            if options.kept:
-                continue
             _draw(scenario, version, file, without_lights)
         ours = scorer.load(file, tuple(scenario.facts["golden_size"]))
         row[version] = _score(scorer, scenario, ours)
@@ -164,10 +166,10 @@ def _draw(scenario: Scenario, version: str, file: Path, without_lights: bool) ->
 
 
 def _score(scorer: ModuleType, scenario: Scenario, picture: Picture) -> dict[str, float]:
-    """Mean distance to the references, as the picture is and encoded as each of them is."""
-    return {way: statistics.fmean(_distance(scorer, scenario, engine, picture if way == "plain"
-                                            else coded_as(picture, engine)) for engine in scenario.references)
-            for way in ("plain", "alike")}
+    """Mean distance to the references, as the picture is and encoded as each of them is; and the `RULE` of that."""
+    return {"rule": RULE} | {way: statistics.fmean(_distance(scorer, scenario, engine, picture if way == "plain"
+                                                         else coded_as(picture, engine))
+                                               for engine in scenario.references) for way in ("plain", "alike")}
 
 
 def _distance(scorer: ModuleType, scenario: Scenario, engine: str, picture: Picture) -> float:
@@ -224,7 +226,8 @@ _FROM_ODT = np.array([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.0060
 def _light_table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
     engines = [*scorer.PATH_TRACED, *scorer.REAL_TIME]
     lines = [["scenario", *engines], ["---"] * (len(engines) + 1)]
-    lines += [[row["scenario"], *(f"{row['light'][e]:.2f}" if e in row["light"] else "" for e in engines)]
+    lines += [[row["scenario"], *(_marked([row], LIGHT_OF, f"{row['light'][e]:.2f}") if e in row["light"] else ""
+                                  for e in engines)]
               for row in rows if "light" in row]
     return ["| " + " | ".join(line) + " |" for line in lines]
 
@@ -236,7 +239,9 @@ def _page(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
             "real-time engines, the best of which would be 1 and the last 5. *A reference's own* is what a renderer",
             "would score that agrees with the better of both references in all but the encoding, sRGB. *Third*",
             "is the nearest path tracer that is not a reference. Other engines drew at the scenario's size, we at half",
-            "of it, and paths that are not denoised at a third. All are reduced to a third of it.", "",
+            "of it, and paths that are not denoised at a third. All are reduced to a third of it. Numbers in italics",
+            "take Cycles and V-Ray alone for engines that encode by pow(1 / 2.2), and none for one that rounds codes",
+            "down: they are older than what [fidelity_causes.md](fidelity_causes.md) shows of the others.", "",
             *_table(scorer, rows), "",
             "How much light the pictures of the engines have, before the tone curve: the median over opaque pixels, as",
             "a multiple of that of *path, denoised*.", "",
@@ -249,8 +254,8 @@ def _table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
     for row in rows:
         engines = row["engines"]
         rank = 1 + sum(score < row["default"]["plain"] for score in engines.values())
-        lines.append([row["scenario"], f"{row['floor']:.3f}", f"{row['own']:.3f}",
-                      f"{row['third']:.3f}" if row["third"] else "", str(rank), *(_cell(row, v) for v in VERSIONS),
+        lines.append([row["scenario"], f"{row['floor']:.3f}", _marked([row], "own", f"{row['own']['plain']:.3f}"),
+                      f"{row['third']:.3f}" if row["third"] else "", str(rank), *(_cell([row], v, 3) for v in VERSIONS),
                       *(f"{engines[e]:.3f}" if e in engines else "" for e in scorer.REAL_TIME)])
     full = [row for row in rows if len(row["engines"]) == len(scorer.REAL_TIME) and "without" not in row["scenario"]]
     complete = [row for row in full if VERSIONS.keys() <= row.keys()]
@@ -258,23 +263,25 @@ def _table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
     for label, group in groups.items():
         if group:
             engines = (f"{statistics.fmean(row['engines'][e] for row in group):.3f}" for e in scorer.REAL_TIME)
-            bounds = (f"{statistics.fmean(row[key] for row in group):.3f}" for key in ("floor", "own"))
+            floor = f"{statistics.fmean(row['floor'] for row in group):.3f}"
+            own = _marked(group, "own", f"{statistics.fmean(row['own']['plain'] for row in group):.3f}")
             thirds = [row["third"] for row in group if row["third"]]
-            lines.append([f"{label} ({len(group)})", *bounds,
+            lines.append([f"{label} ({len(group)})", floor, own,
                           f"{statistics.fmean(thirds):.3f} ({len(thirds)})" if thirds else "", "",
-                          *(_mean(group, version) for version in VERSIONS), *engines])
+                          *(_cell(group, version, 4) for version in VERSIONS), *engines])
     return ["| " + " | ".join(line) + " |" for line in lines]
 
 
-def _cell(row: dict[str, Any], version: str) -> str:
-    return f"{row[version]['plain']:.3f} ({row[version]['alike']:.3f})" if version in row else ""
-
-
-def _mean(rows: list[dict[str, Any]], version: str) -> str:
+def _cell(rows: list[dict[str, Any]], version: str, digits: int) -> str:
+    """The means of the scores of one version, in italics where any is of an older rule; empty if a row lacks it."""
     if not all(version in row for row in rows):
         return ""
-    plain, alike = (statistics.fmean(row[version][way] for row in rows) for way in ("plain", "alike"))
-    return f"{plain:.4f} ({alike:.4f})"
+    plain, alike = (f"{statistics.fmean(row[version][way] for row in rows):.{digits}f}" for way in ("plain", "alike"))
+    return f"{plain} ({_marked(rows, version, alike)})"
+
+
+def _marked(rows: list[dict[str, Any]], version: str, number: str) -> str:
+    return number if all(row[version].get("rule") == RULE for row in rows) else f"*{number}*"
 
 
 def _parse() -> argparse.Namespace:

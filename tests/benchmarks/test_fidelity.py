@@ -12,11 +12,12 @@ from benchmarks import fidelity
 SCORER = SimpleNamespace(REAL_TIME=["one", "other"])
 
 
-def row(name: str, default: float, one: float, other: float, **more: float) -> dict[str, object]:
+def row(name: str, default: float, one: float, other: float, rule: int = fidelity.RULE,
+        **more: float) -> dict[str, object]:
     versions = {"default": default} | more
-    bounds = {"floor": 0.05, "own": 0.03, "third": 0.12 if more else None}
+    bounds = {"floor": 0.05, "own": {"rule": rule, "plain": 0.03}, "third": 0.12 if more else None}
     return {"scenario": name, **bounds, "engines": {"one": one, "other": other}} | {
-        version: {"plain": score, "alike": score / 2} for version, score in versions.items()}
+        version: {"rule": rule, "plain": score, "alike": score / 2} for version, score in versions.items()}
 
 
 def cells(line: str) -> list[str]:
@@ -53,3 +54,12 @@ def test_ranks_and_means_are_those_of_the_scores(monkeypatch: pytest.MonkeyPatch
     assert mean[at("path")] == ""  # one scenario lacks it
     assert mean[at("a reference's own")] == "0.030" and mean[at("third")] == "0.120 (1)"
     assert of_all_versions[0].endswith("(1)") and of_all_versions[at("path")] == "0.1000 (0.0500)"
+
+
+def test_scores_of_an_older_rule_and_means_with_them_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fidelity, "VERSIONS", {"default": {}})
+    older = row("b", 0.4, 0.2, 0.3, rule=1)
+    del older["default"]["rule"]  # so the first rule is kept
+    head, _, *lines = fidelity._table(SCORER, [row("a", 0.2, 0.1, 0.3), older])
+    at = cells(head).index("default")
+    assert [cells(line)[at] for line in lines[:3]] == ["0.200 (0.100)", "0.400 (*0.200*)", "0.3000 (*0.1500*)"]
