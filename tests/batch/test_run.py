@@ -7,6 +7,7 @@ from concurrent.futures import Future
 from pathlib import Path
 
 from viewer.base.progress import Progress
+from viewer.batch.manifest import Manifest
 from viewer.batch.run import Attempt, Batch, Run
 from viewer.batch.work import Done
 from viewer.jobs.render_job import RenderJob, RenderTask
@@ -33,3 +34,13 @@ def test_a_signal_is_kept_when_another_task_ends_at_the_same_time():
     run.do([Attempt(number, task) for number, task in enumerate(tasks)], engine, Progress(len(tasks), enabled=False))
     assert run.stopped == signal.SIGINT
     assert len(engine.models) == len(run.records) == engine.room
+
+
+def test_a_manifest_is_told_of_only_if_there_is_one(tmp_path, capsys):
+    manifest = Manifest(tmp_path)
+    run = Run(RenderJob({"quiet": False}), Batch(folder=tmp_path), manifest)
+    run.tell(2)
+    assert "0 of 2 models" in (told := capsys.readouterr().err) and "manifest" not in told
+    manifest.path.write_text("")
+    run.tell(2)
+    assert f"{manifest.path} has a line for each picture, by which --resume goes on" in capsys.readouterr().err

@@ -234,9 +234,11 @@ class Run:
         seconds = time.monotonic() - self._started
         failed = sum(any("error" in record for record in records) for records in self.records.values())
         rate = 60 * len(self.records) / max(seconds, 1e-3)
-        where = f"; {self._manifest.path} has a line for each picture" if self._manifest is not None else ""
-        if self._manifest is not None and len(self.records) < count:
-            where += ", by which --resume goes on"
+        where = ""
+        if self._manifest is not None and self._manifest.path.exists():  # not if it was stopped before the first
+            where = f"; {self._manifest.path} has a line for each picture"
+            if len(self.records) < count:
+                where += ", by which --resume goes on"
         failures = f"; {failed} failed" if failed else ""
         say(f"{len(self.records) - failed} of {count} models are rendered in {seconds:.0f} s, {rate:.3g} a minute"
             f"{failures}{where}")
