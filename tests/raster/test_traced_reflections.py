@@ -114,6 +114,16 @@ def test_rays_of_a_kept_picture_cover_a_lobe_with_few_steps(radiance, monkeypatc
     assert 0 < kept < 0.4 * few
 
 
+def test_a_frame_of_a_moving_camera_has_one_ray_a_point(renderer, monkeypatch):
+    counts, begin = [], traced_reflections._Rays.begin
+    monkeypatch.setattr(traced_reflections._Rays, "begin", lambda rays, programs, frame, number, count: (
+        counts.append((number, count)), begin(rays, programs, frame, number, count)))
+    for still in (False, True):
+        renderer.draw(HALL, VIEW, Settings.of(reflections="traced"), SIZE, still=still)
+    rays = traced_reflections.RAYS
+    assert counts == [(0, 1), *((number, rays) for number in range(rays))]
+
+
 @needs("embree")
 def test_bvh_and_embree_agree(context, renderer, radiance, monkeypatch):
     pictures = []
