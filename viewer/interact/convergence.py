@@ -102,16 +102,20 @@ class Convergence:
 
     @property
     def is_done(self) -> bool:
-        """Whether the picture is finished: no more samples will be added. A time budget does not end it before it is
-        whole, unless it is to be mixed with the raster's picture, which stays then. An error ends it when what the user
-        reads is at most that."""
-        if self._path_render is None:
-            return False
-        settings, told, is_mixed = self._settings(), self.progress, self._state.settings.denoise == "raster"
-        budget, target = settings.time_budget, settings.error
-        is_over = budget is not None and self._path_render.seconds - self._compiled >= budget
-        is_reached = target is not None and told is not None and told.samples >= ENOUGH and told.error <= target
-        return self._path_render.is_done or is_reached or (is_over and (is_mixed or self._path_render.is_whole))
+        """Whether the picture is finished: no more samples will be added."""
+        render, settings = self._path_render, self._settings()
+        return render is not None and (render.is_done or self._has_reached(settings.error)
+                                       or self._has_taken(render, settings.time_budget))
+
+    def _has_reached(self, error: float | None) -> bool:
+        """Whether what the user reads is at most that."""
+        told = self.progress
+        return error is not None and told is not None and told.samples >= ENOUGH and told.error <= error
+
+    def _has_taken(self, render: PathRender, budget: float | None) -> bool:
+        """Whether time is over and the picture whole, or to be mixed with the raster's, which stays then."""
+        is_over = budget is not None and render.seconds - self._compiled >= budget
+        return is_over and (render.is_whole or self._state.settings.denoise == "raster")
 
     @property
     def left_out(self) -> tuple[str, ...]:
