@@ -49,6 +49,15 @@ def test_code_for_what_is_not_there_is_not_compiled(mode):
         assert word in text
 
 
+def test_deferring_what_has_too_many_objects_is_told():
+    few = scene()
+    many = replace(few, instances=few.instances * 65)
+    told = [[line for line in plan(model, antialias="deferred-4").left_out if "deferred-4" in line]
+            for model in (few, many)]
+    assert told == [[], ["shading after all triangles are drawn (deferred-4): there are more than 64 objects or "
+                         "4194303 triangles, so each triangle is shaded, as by msaa-4"]]
+
+
 def test_lights_are_ordered_bounded_and_dark_ones_dropped():
     spot, point = Light("spot", intensity=1.0), Light("point", intensity=2.0)
     found = plan(scene(lights=(spot, point, SUN, Light("point", intensity=0.0), Light("point", (0, 0, 0), 3.0))))

@@ -12,10 +12,10 @@ from .samplers import MAX_SAMPLERS, sampler_count
 MOST_VERTICES = 1 << 20
 """In one mesh: its vertices and triangles are texels, and indices of vertices are floats there."""
 TRIANGLE_BITS = 22
-_MOST_OBJECTS, _MOST_TRIANGLES = 64, (1 << TRIANGLE_BITS) - 1
+MOST_OBJECTS, MOST_TRIANGLES = 64, (1 << TRIANGLE_BITS) - 1
 """In one picture: each object takes a pass over the pixels that it may touch, and a triangle's number has these bits
 beside the six of its object and four for samples."""
-MOST_TEXELS = max(5 * MOST_VERTICES, _MOST_TRIANGLES)
+MOST_TEXELS = max(5 * MOST_VERTICES, MOST_TRIANGLES)
 """Of a buffer: a mesh has one for each triangle and four for each vertex, a picture one for each triangle."""
 _NEEDS_VERTICES = ("HAS_COLOR", "INDIRECT", "SUBSURFACE", "WOVEN", "INSTANCED")
 """Switches of what vertices have beside their normals, tangents and texture coordinates, of what needs derivatives that
@@ -25,8 +25,8 @@ smoothly."""
 
 def is_worth_deferring(scene: Scene) -> bool:
     """Whether a scene has few enough objects and triangles."""
-    triangles = sum(scene.meshes[instance.mesh].triangle_count for instance in scene.instances[:_MOST_OBJECTS])
-    return len(scene.instances) <= _MOST_OBJECTS and triangles <= _MOST_TRIANGLES
+    triangles = sum(scene.meshes[instance.mesh].triangle_count for instance in scene.instances[:MOST_OBJECTS])
+    return len(scene.instances) <= MOST_OBJECTS and triangles <= MOST_TRIANGLES
 
 
 def can_defer(mesh: Mesh, material: Material, switches: Mapping[str, int]) -> bool:

@@ -10,6 +10,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
 from ..settings import Settings
+from .deferral import MOST_OBJECTS, MOST_TRIANGLES, is_worth_deferring
 from .media import MAX_VOLUMES
 from .model import LAYERS_LEFT_OUT, Draw, Plan
 from .samplers import MAX_SAMPLERS
@@ -77,6 +78,9 @@ def left_out_lines(plan: Plan, scene: Scene, settings: Settings, lights: Sequenc
         lines.append(f"scattering in the volumes of {counted(scattering, 'material')}: "
                      + (_reason(settings, settings.subsurface != "off") if settings.mode == "pbr" else
                         "modes pbr and path have it"))
+    if draws and settings.antialias == "deferred-4" and not is_worth_deferring(scene):
+        lines.append(f"shading after all triangles are drawn (deferred-4): there are more than {MOST_OBJECTS} "
+                     f"objects or {MOST_TRIANGLES} triangles, so each triangle is shaded, as by msaa-4")
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not requested" if settings.indirect == "off" else (
             "estimated" if plan.estimates_indirect and plan.has_visibility else
