@@ -77,6 +77,8 @@ def test_options_change_what_they_are_named_for(run, folder):
     (["render", "a.glb", "b.glb", "-o", "a.png"], "several models need a folder, a.png/, or a pattern with {name}"),
     (["render", "x/a.glb", "y/b.glb", "-o", "out/a.{name}", "--error-map", "e.png"], "must end in one of .png"),
     (["render", "a.glb", "-o", "a.png", "--size", "0x5"], "'0x5' is not WxH"),
+    (["render", "a.glb", "-o", "a.png", "--size", "00"], "'00' is not WxH, such as 1280x720, or one number"),
+    (["render", "a.glb", "-o", "a.png", "--size", "99999999"], "'99999999' has a side beyond 999999 pixels"),
     (["render", "a.glb", "-o", "a.png", "--fov", "180"], "180 is not from 0.01 to 179"),
     (["render", "a.glb", "-o", "a.png", "--exposure", "nan"], "'nan' is not a number"),
     (["render", "a.glb", "-o", "a.png", "--orbit", "1"], "'1' is not AZ,EL[,DIST]"),

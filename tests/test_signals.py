@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from contextlib import nullcontext
 
@@ -73,6 +74,48 @@ def test_a_signal_while_a_class_is_being_made_is_a_signal():
 
     with pytest.raises(Stopped), stoppable():
         type("Owner", (), {"member": Member()})
+
+
+class Deaf:
+    """Loses what the handler of a signal raises, as Python ignores what `__del__` raises."""
+
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        threading.Event().wait(5)
+
+
+@needs("posix")
+def test_a_signal_that_python_ignored_is_sent_again():
+    report = sys.unraisablehook
+    with pytest.raises(Stopped), stoppable():
+        Deaf()
+        Deaf()
+        threading.Event().wait(5)
+        pytest.fail("nobody was told")
+    assert sys.unraisablehook is report
+
+
+@needs("posix")
+@pytest.mark.parametrize("scope", [nullcontext, unbroken])
+def test_a_signal_that_python_ignored_at_the_end_of_a_block_ends_it(scope):
+    with pytest.raises(Stopped), stoppable():
+        Deaf()
+        with scope():
+            pass
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_what_else_python_ignores_is_reported(monkeypatch):
+    reported = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda ignored: reported.append(ignored.exc_type))
+
+    class Broken:
+        def __del__(self):
+            raise ValueError
+
+    with stoppable():
+        Broken()
+    assert reported == [ValueError]
 
 
 def test_outside_of_our_own_program_signals_do_what_they_did():

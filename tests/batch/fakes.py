@@ -15,9 +15,18 @@ from viewer.errors import ContextError, InputError
 from viewer.jobs.render_job import RenderTask
 
 
+class Deaf:
+    """Python ignores what ends the wait of this `__del__`."""
+
+    def __del__(self) -> None:
+        while True:
+            Path("waits").touch()
+            time.sleep(0.01)
+
+
 class FakeWorker:
     """`fail` is reported; `kill` ends the process while a file is half written; `wait` takes until the file `go` is
-    there, or until it is to stop; `context` and `input` raise."""
+    there, or until it is to stop, and `deaf` the same after it has lost one exception; `context` and `input` raise."""
 
     def do(self, task: RenderTask, progress: Progress, wants_to_stop: Callable[[], bool] = lambda: False) -> Done:
         name = Path(task.model).stem
@@ -32,7 +41,9 @@ class FakeWorker:
             temporary.write_text("half")
             if name == "kill":
                 os.kill(os.getpid(), signal.SIGKILL)
-            while name == "wait" and not (Path("go").exists() or wants_to_stop()):
+            if name == "deaf":
+                Deaf()
+            while name in ("wait", "deaf") and not (Path("go").exists() or wants_to_stop()):
                 Path("waits").touch()
                 time.sleep(0.01)
             temporary.write_text("whole")

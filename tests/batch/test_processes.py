@@ -80,3 +80,11 @@ def test_what_concerns_all_models_arrives_as_it_is_and_the_end_gives_up_what_is_
     assert isinstance(running.exception(), WorkerLost) and pending.cancelled()
     assert names(out) == ["a.png"] and threading.active_count() == before
     assert multiprocessing.active_children() == []
+
+
+def test_a_process_that_python_lets_miss_its_end_is_told_again(out):
+    with Processes(FakeWorker, 1) as engine:
+        running, = submitted(engine, "deaf")
+        wait_until(Path("waits").exists)
+    assert str(running.exception()) == "the process that rendered it has ended (exit status 0)"
+    assert names(out) == []

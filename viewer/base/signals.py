@@ -6,6 +6,7 @@ An exception ends the work in an orderly way, so that no half-written file is le
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -62,12 +63,41 @@ def stoppable() -> Iterator[None]:
     """In the block SIGINT, SIGTERM and SIGHUP raise Stopped, unless the process ignores them (as under nohup)."""
     defaults = (signal.SIG_DFL, signal.default_int_handler)
     try:
-        with _handlers({number: _Stop() for number in _stop_signals() if signal.getsignal(number) in defaults}):
+        stops = {number: _Stop() for number in _stop_signals() if signal.getsignal(number) in defaults}
+        with _handlers(stops), sent_again():
             yield
     except RuntimeError as error:
         if isinstance(error.__cause__, Stopped):  # Python 3.11 wraps so what is raised while a class is being made
             raise error.__cause__ from None
         raise
+
+
+@contextmanager
+def sent_again() -> Iterator[None]:
+    """Python ignores what `__del__` or a callback of a weak reference raises, such as Stopped. In the block the signal
+    is then sent again a moment later, until one is not ignored. The block ends after the last was sent."""
+    from threading import Timer, get_ident  # not above, where no signal is answered yet
+
+    timers: list[Timer] = []
+    report = sys.unraisablehook
+
+    def send_again(ignored: sys.UnraisableHookArgs) -> None:
+        if not isinstance(ignored.exc_value, Stopped):
+            report(ignored)
+            return
+        # Not now: what this function raises would be ignored, too
+        timers.append(Timer(0.01, _send, (get_ident(), ignored.exc_value.number)))
+        timers[-1].start()
+
+    sys.unraisablehook = send_again
+    try:
+        yield
+    finally:
+        try:
+            for timer in timers:
+                timer.join()
+        finally:
+            sys.unraisablehook = report
 
 
 @contextmanager
@@ -89,6 +119,14 @@ def unbroken() -> Iterator[None]:
 class _Stop:
     def __call__(self, number: int, frame: object) -> None:
         raise Stopped(number)
+
+
+def _send(thread: int, number: int) -> None:
+    """Send the signal to a thread, the main one, so that it does not wait on; Windows has no signals for threads."""
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(thread, number)
 
 
 def _stop_signals() -> list[int]:

@@ -18,7 +18,7 @@ from typing import NoReturn, Self
 
 from ..base.cores import core_count
 from ..base.progress import Progress
-from ..base.signals import Stopped
+from ..base.signals import Stopped, sent_again
 from ..errors import ViewerError
 from ..jobs.render_job import RenderTask
 from .engines import Doer, WorkerLost
@@ -141,7 +141,7 @@ def how_it_ended(code: int | None) -> str:
 def _serve(connection: Connection, make_worker: Callable[[], Doer], count: int) -> None:
     """One of `count` other processes: does tasks until the connection ends, as it does when the first process ends.
     None ends the task in the making early, which looks whether something has come, and nothing else."""
-    with suppress(Stopped):
+    with suppress(Stopped), sent_again():
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the first process, which then terminates this one
         signal.signal(signal.SIGTERM, _stop)  # whatever it is doing: nobody waits for part of a picture
         threading.Thread(target=_end_with_parent, daemon=True).start()

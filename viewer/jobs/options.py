@@ -102,9 +102,11 @@ class Size(click.ParamType):
     name = "size"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
-        match = re.fullmatch(r"([0-9]{1,6})(?:[xX]([0-9]{1,6}))?", value)
-        if not match or not all(int(n) for n in match.groups() if n):
-            self.fail(f"{value!r} is not WxH, such as 1280x720.", param, ctx)
+        match = re.fullmatch(r"([0-9]+)(?:[xX]([0-9]+))?", value)
+        if not match or not all(n.strip("0") for n in match.groups() if n):
+            self.fail(f"{value!r} is not WxH, such as 1280x720, or one number for a square.", param, ctx)
+        if max(len(n.lstrip("0")) for n in match.groups() if n) > 6:
+            self.fail(f"{value!r} has a side beyond 999999 pixels.", param, ctx)
         return int(match[1]), int(match[2] or match[1])
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
