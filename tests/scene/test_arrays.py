@@ -96,6 +96,11 @@ def test_integer_indices_draw_the_same_picture():
     (lambda: viewer.Light("spot", direction=(0, 0, 0)), r"Light\.direction is 0, 0, 0"),
     (lambda: Environment("e", np.zeros((4, 8))), r"Environment\.source is \(4, 8\)"),
     (lambda: Environment("e", np.full((4, 8, 3), -1.0)), r"Environment\.source .*below 0"),
+    (lambda: Environment("e", np.full((4, 8, 3), 3e38)), r"Environment\.source .*3e\+38 is over 1e\+12"),
+    (lambda: Environment("e", np.ones((4, 8, 3)), intensity=1e200), r"Environment: .*intensity 1e\+200 .*1e\+18"),
+    (lambda: viewer.Material(emissive=(0, 3e38, 0)), r"Material\.emissive is .*3e\+38.*, not from 0 to 1e\+30"),
+    (lambda: viewer.Material(emissive=(0, 1e200, 0)), r"Material\.emissive is .*1e\+200.*, not from 0 to 1e\+30"),
+    (lambda: viewer.Material(emissive=(0, np.nan, 0)), r"Material\.emissive \(3,\) float64: holds NaN"),
 ])
 def test_what_has_no_meaning_is_one_line(make, words):
     with pytest.raises(viewer.UsageError, match=words) as caught:

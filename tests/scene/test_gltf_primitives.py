@@ -106,6 +106,16 @@ def test_vertex_colours(dtype, columns):
     np.testing.assert_array_equal(builder.load().meshes[0].colors, expected)
 
 
+def test_colours_that_are_not_finite_are_told():
+    builder = GltfBuilder()
+    color = builder.accessor([[1, 0, 0, 1], [np.nan] * 4, [0, np.inf, 1, 1]])
+    builder.node(mesh=builder.mesh({"POSITION": builder.accessor(POINTS[:3]), "COLOR_0": color}))
+    scene = builder.load()
+    (line,) = scene.warnings
+    assert "attributes.COLOR_0: 2 colours are not finite" in line
+    assert scene.meshes[0].colors.tolist() == [[1, 0, 0, 1], [0, 0, 0, 0], [0, 1, 1, 1]]
+
+
 def test_two_uv_sets_and_a_missing_one():
     builder = GltfBuilder()
     material = builder.add("materials", {"emissiveTexture": {"index": builder.texture(), "texCoord": 1}})

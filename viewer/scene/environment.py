@@ -14,6 +14,11 @@ import numpy as np
 
 from ..errors import UsageError
 from .arrays import scene_array
+from .light import BRIGHTEST
+
+MAX_RADIANCE = 1e12
+"""Of a texel: the luminance of the sun's disk is 2e9 cd/m2."""
+MAX_INTENSITY = BRIGHTEST / MAX_RADIANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,8 +26,9 @@ class Environment:
     """An environment map. `source` is its radiance, (H, W, 3) float32, or a function that decodes it on first access.
 
     `rotation` turns it about +Y, in radians, counter-clockwise seen from above (towards smaller u). `intensity`
-    multiplies it. `digest` identifies the content: equal digests mean equal texels, so a cached bake can be found
-    without decoding the file. It is "" if none was computed.
+    multiplies it. Radiance is at most 1e12 and intensity 1e18, whose product leaves float32 room for sums. `digest`
+    identifies the content: equal digests mean equal texels, so a cached bake can be found without decoding the file. It
+    is "" if none was computed.
     """
 
     name: str
@@ -38,9 +44,13 @@ class Environment:
             radiance = scene_array(self.source, "Environment.source", np.float32, None, None, 3)
             if not radiance.size or radiance.min() < 0:
                 raise UsageError(f"Environment.source {radiance.shape}: it must have texels, and none below 0")
+            if radiance.max() > MAX_RADIANCE:
+                raise UsageError(f"Environment.source {radiance.shape}: radiance {radiance.max():.3g} is over "
+                                 f"{MAX_RADIANCE:g}")
             object.__setattr__(self, "source", radiance)
-        if not (math.isfinite(self.rotation) and 0 <= self.intensity < math.inf):
-            raise UsageError(f"Environment: rotation {self.rotation:g}, intensity {self.intensity:g} are not finite")
+        if not (math.isfinite(self.rotation) and 0 <= self.intensity <= MAX_INTENSITY):
+            raise UsageError(f"Environment: rotation {self.rotation:g}, intensity {self.intensity:g} are not finite, "
+                             f"or intensity is not from 0 to {MAX_INTENSITY:g}")
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)

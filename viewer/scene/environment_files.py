@@ -14,7 +14,7 @@ import numpy as np
 from ..base.utf8_name import utf8_name
 from ..errors import InputError
 from .chromaticities import to_rec_709, xyz_to_rec_709
-from .environment import Environment
+from .environment import MAX_RADIANCE, Environment
 from .environment_presets import PRESETS, make_preset
 from .equirect import texel_solid_angles
 from .files import read_file
@@ -24,7 +24,6 @@ from .radiance_hdr import decoded, plain_pixels, read_hdr_header
 FORMATS = {".hdr": "hdr", ".exr": "openexr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
 MAX_WIDTH = 4096  # wider maps are averaged down to it: 11 texels per degree, 100 MB of radiance
 MAX_TEXELS = 1 << 29  # of a file: a map of 32768 x 16384, which takes seconds to decode
-MAX_RADIANCE = 1e12  # the luminance of the sun's disk is 2e9 cd/m2
 HALF_MAX = 65504.0
 BAND = 1 << 20  # texels decoded per step
 _CODE = ("environment_files.py", "radiance_hdr.py", "chromaticities.py")

@@ -12,6 +12,9 @@ from typing import Literal
 
 import numpy as np
 
+from ..errors import UsageError
+from .arrays import scene_numbers
+from .light import BRIGHTEST
 from .medium import VACUUM, Medium, scaled, single_scattering_albedo
 from .parameter import Feature, parameter, texture_map
 from .texture_image import TextureImage
@@ -116,7 +119,8 @@ CLEARCOAT = Feature(
 class Material:
     """A surface: glTF 2.0's metallic-roughness model and its extensions. The fields below declare everything.
 
-    Colours are linear Rec. 709. `emissive` is already multiplied by its strength (KHR_materials_emissive_strength).
+    Colours are linear Rec. 709. `emissive` is already multiplied by its strength (KHR_materials_emissive_strength),
+    and at most 1e30, which leaves float32 room for sums of lights.
     `ior` is at least 1, or 0, by which KHR_materials_ior means f0 = 1 before the specular parameters are applied. With
     `thickness` 0 the surface is thin-walled; otherwise it bounds a volume. `shininess` is the exponent of a Phong
     material (MTL `Ns`), or None if the file has a roughness instead.
@@ -300,6 +304,11 @@ class Material:
     shininess: float | None = None
     weave: Weave | None = None
     """Of woven cloth, in place of all other parameters."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "emissive", scene_numbers(self.emissive, "Material.emissive", 3))
+        if not all(0 <= channel <= BRIGHTEST for channel in self.emissive):
+            raise UsageError(f"Material.emissive is {self.emissive}, not from 0 to {BRIGHTEST:g}")
 
     @property
     def is_dielectric(self) -> bool:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .animation import Target
+from .light import BRIGHTEST
 from .material import Material, UVTransform
 from .schema import PARAMETERS
 
@@ -54,5 +55,5 @@ def moved_material(material: Material, values: Mapping[str, np.ndarray]) -> Mate
                 changes[field] = replace(texture, transform=transform)
     if "emissive" in changes:  # which is multiplied by its strength
         strength = max(float(values["emissive_strength"][0]), 0.0)
-        changes["emissive"] = tuple(channel * strength for channel in changes["emissive"])
+        changes["emissive"] = tuple(min(channel * strength, BRIGHTEST) for channel in changes["emissive"])
     return replace(material, **changes)

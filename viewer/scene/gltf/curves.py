@@ -10,7 +10,7 @@ from ..curves import Curves
 from ..moving_curves import Strands
 from .accessors import Accessors
 from .element import Element
-from .primitives import finite_part, read_influences
+from .primitives import finite_part, read_influences, vertex_colors
 from .topology import MODES
 from .vertices import Vertices
 
@@ -89,7 +89,7 @@ def _colors(vertices: Vertices, primitive: Element, materials: list[Element], or
         return None
     colors = np.ones((len(order), 3), np.float32)
     if "COLOR_0" in attributes:
-        colors *= np.clip(np.nan_to_num(vertices.floats(attributes, "COLOR_0", "VEC3", "VEC4")[order, :3]), 0, 1)
+        colors *= vertex_colors(attributes, vertices.floats(attributes, "COLOR_0", "VEC3", "VEC4"))[order, :3]
     if number is not None:
         surface = materials[number].object("pbrMetallicRoughness")
         colors *= np.float32(surface.vector("baseColorFactor", 4, (1.0,) * 4, 0.0, 1.0)[:3])

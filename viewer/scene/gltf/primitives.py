@@ -47,7 +47,7 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     positions, indices = finite_part(attributes, values["POSITION"], vertices.indices, topology)
     mesh = Mesh(name, positions, material, topology, indices,
                 _unit(values.get("NORMAL")), _unit_tangents(values.get("TANGENT")), _uvs(values, vertices.count),
-                _colors(values.get("COLOR_0")))
+                vertex_colors(attributes, values["COLOR_0"]) if "COLOR_0" in values else None)
     if not mesh.element_count:
         primitive.warn("there are too few vertices; nothing is drawn")
         return None
@@ -122,10 +122,10 @@ def _uvs(values: dict[str, np.ndarray], count: int) -> tuple[np.ndarray, ...]:
     return tuple(np.zeros((count, 2), np.float32) if uv is None else np.nan_to_num(uv) for uv in sets)
 
 
-def _colors(colors: np.ndarray | None) -> np.ndarray | None:
-    """Linear RGBA in 0..1."""
-    if colors is None:
-        return None
+def vertex_colors(attributes: Element, colors: np.ndarray) -> np.ndarray:
+    """Linear RGBA in 0..1 of COLOR_0. NaN is 0, with a warning."""
+    if bad := np.count_nonzero(~np.isfinite(colors).all(axis=1)):
+        attributes.warn(f"{bad} colours are not finite; NaN is read as 0, infinity as 1", "COLOR_0")
     rgba = np.ones((len(colors), 4), np.float32)
     rgba[:, :colors.shape[1]] = np.clip(np.nan_to_num(colors), 0, 1)
     return rgba

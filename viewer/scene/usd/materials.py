@@ -17,6 +17,7 @@ from PIL import Image
 
 from ...errors import InputError
 from ..files import path_inside, read_file
+from ..light import BRIGHTEST
 from ..material import AlphaMode, Material, Sampler, Texture, Wrap
 from ..mtl import PLAIN
 from ..parameter import WHITE
@@ -58,8 +59,9 @@ class Materials:
         found = {name: texture for name in textures for texture in [self._texture(told, name)] if texture is not None}
 
         def color(name: str) -> tuple[float, float, float]:
-            red, green, blue = textures[name]["scale"][:3] if name in found else values[name][:3]
-            return max(red, 0.0), max(green, 0.0), max(blue, 0.0)
+            parts = textures[name]["scale"][:3] if name in found else values[name][:3]
+            red, green, blue = (min(max(0.0, float(part)), BRIGHTEST) for part in parts)  # NaN is 0
+            return red, green, blue
 
         def number(name: str, low: float = 0.0, high: float = 1.0) -> float:
             value = textures[name]["scale"][_channel(textures[name])] if name in found else values[name]
