@@ -82,8 +82,10 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
             say(f"{len(tasks) - len(attempts)} of {len(tasks)} models are done already")
         progress = stack.enter_context(Progress(len(attempts), not job.options["quiet"], unit="models"))
         try:
-            run.do(attempts, stack.enter_context(make_engine(job, batch, len(attempts) > 1, progress)), progress)
+            with make_engine(job, batch, len(attempts) > 1, progress) as engine:
+                run.do(attempts, engine, progress)
         except (Stopped, ClusterLost):
+            run.note_finished()
             run.tell(len(attempts))
             raise
         if not batch.is_here:
@@ -197,6 +199,14 @@ class Run:
         for future, (attempt, _) in self._running.items():
             if future.done() and future.exception() is None and (part := future.result().part) is not None:
                 self.sums.add(attempt.number, part)
+
+    def note_finished(self) -> None:
+        """Note the models that were done while the engine ended, so that each picture there has its line."""
+        for future, (attempt, key) in list(self._running.items()):
+            is_done = future.done() and not future.cancelled() and future.exception() is None
+            if is_done and not future.result().may_pass:
+                del self._running[future]
+                list(self._note(attempt, key, future))
 
     @property
     def _has_failed(self) -> bool:
