@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from viewer.scene.gltf.reader import load_gltf
+from viewer.scene.gltf import load_gltf
 from viewer.scene.scene import Scene
 
 COMPONENTS = {"int8": 5120, "uint8": 5121, "int16": 5122, "uint16": 5123, "uint32": 5125, "float32": 5126}

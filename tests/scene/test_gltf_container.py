@@ -6,7 +6,7 @@ import pytest
 from gltf_builder import GltfBuilder, triangle_glb
 
 from viewer.errors import InputError
-from viewer.scene.gltf.reader import load_gltf
+from viewer.scene.gltf import load_gltf
 
 
 def load(data: bytes, name: str = "model.glb"):

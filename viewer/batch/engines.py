@@ -10,7 +10,6 @@ from ..base.messages import say
 from ..base.progress import Progress
 from ..errors import ViewerError
 from ..jobs.render_job import RenderJob, RenderTask
-from ..scene.images_ahead import forget_images_ahead
 from .work import Done, Worker
 
 
@@ -60,7 +59,6 @@ class Here:
     def submit(self, task: RenderTask) -> Future[Done]:
         future: Future[Done] = Future()
         future.set_result(self._worker.do(task, self._progress))
-        forget_images_ahead()  # what the first picture has not asked for
         return future
 
     def finish(self) -> bool:

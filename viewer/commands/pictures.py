@@ -145,10 +145,6 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render helmet.glb -o helmet.webp --turntable 90
     """
     chosen = {name: options.pop(name) for name in BATCH}
-    if not any(chosen.values()):  # this process reads the first model
-        from ..scene.images_ahead import decode_images_ahead
-
-        decode_images_ahead(models[0])
     check_batch_options(chosen)
     check_camera_options(options, takes_several=True)
     options |= {"backend": backend, "has_size": is_given("size") or options["sheet"] is not None}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..base.apart import Apart, ApartError
 from ..errors import InputError
-from .gltf.reader import load_gltf
+from .gltf import load_gltf
 from .material import Material
 from .mtl import PLAIN
 from .scene import Scene

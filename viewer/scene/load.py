@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import InputError, UsageError
 from .files import read_file
-from .gltf.reader import load_gltf
+from .gltf import load_gltf
 from .scene import MAX_EXTENT, Scene
 
 _SIGNATURES = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"OFF": "off", b"solid ": "stl",

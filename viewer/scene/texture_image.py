@@ -15,7 +15,6 @@ from PIL import Image, features
 from ..base.quiet import without_warnings
 from ..errors import InputError
 from . import ktx2
-from .images_ahead import load_image
 from .parameter import RGBA, WHITE
 
 MAX_SIDE = 1 << 14
@@ -84,7 +83,9 @@ class TextureImage:
                 return _pick(ktx2.decode(bytes(self.data), header), channels)
             except ValueError as error:
                 raise InputError(self.name, "", str(error)) from error
-        with _as_input_error(self.name), load_image(bytes(self.data), self.format) as image:
+        with _as_input_error(self.name), Image.open(io.BytesIO(self.data), formats=(self.format,)) as image:
+            image.decodermaxblock = len(self.data)  # for each block it would wait for other threads of Python
+            image.load()
             plain = _plain_mode(image)
             if channels is None or channels == "RGBA"[:len(plain.getbands())]:
                 return _pixels(plain)
