@@ -87,9 +87,15 @@ def main() -> None:
                 rows.append(_row(scorer, scenario, options, without_lights, kept))
                 loads.append(round(os.getloadavg()[0], 1))
                 print(json.dumps(rows[-1]), flush=True)
+    rows = joined(kept, rows)
     with open_context() as context:
         facts = machine.here() | {"renderer": context.renderer, "load average": f"{min(loads)} to {max(loads)}"}
     tracing.keep("fidelity", facts, rows, _page(scorer, rows), options.results)
+
+
+def joined(kept: dict[str, dict[str, Any]], rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows, and those of the results before whose scenarios were not asked for, or not reached."""
+    return list((kept | {row["scenario"]: row for row in rows}).values())
 
 
 def _scorer() -> ModuleType:

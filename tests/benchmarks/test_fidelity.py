@@ -63,3 +63,9 @@ def test_scores_of_an_older_rule_and_means_with_them_are_marked(monkeypatch: pyt
     head, _, *lines = fidelity._table(SCORER, [row("a", 0.2, 0.1, 0.3), older])
     at = cells(head).index("default")
     assert [cells(line)[at] for line in lines[:3]] == ["0.200 (0.100)", "0.400 (*0.200*)", "0.3000 (*0.1500*)"]
+
+
+def test_rows_that_are_not_drawn_stay_as_they_were() -> None:
+    kept = {name: {"scenario": name, "default": 1} for name in ("Box", "Duck", "Fox")}
+    rows = fidelity.joined(kept, [{"scenario": "Duck", "default": 2}, {"scenario": "New", "default": 3}])
+    assert [(row["scenario"], row["default"]) for row in rows] == [("Box", 1), ("Duck", 2), ("Fox", 1), ("New", 3)]
