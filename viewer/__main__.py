@@ -44,9 +44,9 @@ def _end(status: int) -> None:
     import ctypes
     import threading
 
-    threading._shutdown()  # type: ignore[attr-defined]  # waits for threads, such as those of pools
-    atexit._run_exitfuncs()
     with suppress(AttributeError, OSError, TypeError, ValueError):
+        threading._shutdown()  # type: ignore[attr-defined]  # waits for threads, such as those of pools
+        atexit._run_exitfuncs()
         sys.stdout.flush()
         sys.stderr.flush()
         ctypes.PyDLL(None).exit(status)
