@@ -28,6 +28,7 @@ from viewer.gpu.context import open_context
 from viewer.scene.camera import Camera
 
 from . import corpus, machine, shot, tracing
+from .encodings import Picture, coded_as, radiance, srgb_coded
 
 VERSIONS: dict[str, dict[str, Any]] = {
     "default": {"quality": "auto"},
@@ -43,20 +44,13 @@ VERSIONS: dict[str, dict[str, Any]] = {
 SCALE = {"path": 1 / 3}
 """Of the size that the scenario names; the scorer reduces to a third of it. Others have `DEFAULT_SCALE`."""
 DEFAULT_SCALE = 0.5
-POWER_CODED = ("blender-cycles", "vray", "stellar", "dspbr-pt", "babylon", "gltf-sample-viewer")
-"""Engines whose pictures are encoded by pow(1 / 2.2)."""
-ROUNDED_DOWN = ("blender-cycles", "vray", "stellar")
-"""Engines whose codes are rounded down, so that they are half a code too dark on average."""
 RULE = 2
 """Of these encodings, by which a score in brackets and light were found. Results without a number are of the first one,
-which knew the first two engines of `POWER_CODED` and no rounding."""
+which knew the first two engines of `encodings.POWER_CODED` and no rounding."""
 LIGHT_OF = "path, denoised"
 """The version whose light that of other engines is a multiple of."""
 LIGHTLESS = {"khronos-GlamVelvetSofa": ("default", "path")}
 """Scenarios whose references leave out the lights of the file, and the versions that are also drawn without them."""
-
-Picture = tuple[np.ndarray, np.ndarray]
-
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
@@ -76,7 +70,7 @@ class Scenario:
 
 def main() -> None:
     options = _parse()
-    scorer = _scorer()
+    scorer = load_scorer()
     kept = {row["scenario"]: row for row in json.loads((options.results / "fidelity.json").read_text())["rows"]
             } if options.versions or options.kept else {}
     rows: list[dict[str, Any]] = []
@@ -87,6 +81,8 @@ def main() -> None:
                 rows.append(_row(scorer, scenario, options, without_lights, kept))
                 loads.append(round(os.getloadavg()[0], 1))
                 print(json.dumps(rows[-1]), flush=True)
+    if not rows:
+        raise SystemExit("no scenario was reached, so the results are as they were")
     rows = joined(kept, rows)
     with open_context() as context:
         facts = machine.here() | {"renderer": context.renderer, "load average": f"{min(loads)} to {max(loads)}"}
@@ -98,7 +94,7 @@ def joined(kept: dict[str, dict[str, Any]], rows: list[dict[str, Any]]) -> list[
     return list((kept | {row["scenario"]: row for row in rows}).values())
 
 
-def _scorer() -> ModuleType:
+def load_scorer() -> ModuleType:
     path = corpus.FOLDER.parent / "tools/score_fidelity.py"
     spec = importlib.util.spec_from_file_location("score_fidelity", path)
     if spec is None or spec.loader is None or not path.is_file():
@@ -182,28 +178,6 @@ def _distance(scorer: ModuleType, scenario: Scenario, engine: str, picture: Pict
     return float(scorer.distance(scenario.pictures[engine], picture)[0])
 
 
-def coded_as(picture: Picture, engine: str) -> Picture:
-    """An sRGB picture, encoded as `engine` does. Where it is not opaque, which is not scored, it is not exact."""
-    rgb, alpha = picture
-    if engine in POWER_CODED:
-        linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-        rgb = np.clip(linear, 0, 1) ** (1 / 2.2)
-    if engine in ROUNDED_DOWN:
-        rgb = np.maximum(rgb - 0.5 / 255, 0)
-    return rgb.astype(np.float32), alpha
-
-
-def srgb_coded(picture: Picture, engine: str) -> Picture:
-    """The inverse of `coded_as`."""
-    rgb, alpha = picture
-    if engine in ROUNDED_DOWN:
-        rgb = rgb + 0.5 / 255
-    if engine in POWER_CODED:
-        linear = np.clip(rgb, 0, 1) ** 2.2
-        rgb = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.clip(rgb, 0, 1).astype(np.float32), alpha
-
-
 def _light(scenario: Scenario, ours: Picture) -> dict[str, float]:
     """How much light each engine's picture has: the median over opaque pixels, as a multiple of that of ours."""
     own = radiance(ours).sum(axis=2)
@@ -213,20 +187,6 @@ def _light(scenario: Scenario, ours: Picture) -> dict[str, float]:
         opaque = (picture[1] > 0.998) & (ours[1] > 0.998)
         found[engine] = float(np.median(light[opaque] / np.maximum(own[opaque], 1e-4)))
     return found
-
-
-def radiance(picture: Picture) -> np.ndarray:
-    """Linear light before the tone curve of the scenarios, (H, W, 3), of an sRGB picture: ACES, as
-    shaders/display/tonemap.glsl has it, solved for its argument."""
-    rgb = picture[0].astype(np.float64)
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    y = np.clip(linear @ np.linalg.inv(_FROM_ODT).T, 1e-5, 0.98)
-    a, b, c = 1 - 0.983729 * y, 0.0245786 - 0.4329510 * y, -0.000090537 - 0.238081 * y
-    return (-b + np.sqrt(b * b - 4 * a * c)) / (2 * a) @ np.linalg.inv(_TO_RRT).T * 0.6
-
-
-_TO_RRT = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
-_FROM_ODT = np.array([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]])
 
 
 def _light_table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:

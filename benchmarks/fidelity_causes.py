@@ -30,6 +30,7 @@ from viewer.scene.color import linear_to_srgb
 from viewer.scene.scene import Scene
 
 from . import corpus, fidelity, machine, shot, tracing
+from .encodings import Picture, coded_as, radiance, shown, srgb_coded
 
 OPTIONS: dict[str, Any] = {"mode": "path", "spp": 24, "denoise": "oidn", "tonemap": "aces"}
 STEPS = ("plain", "encoded", "compressed", "undone")
@@ -75,7 +76,7 @@ CAUSES = {
 
 def main() -> None:
     options = _parse()
-    scorer = fidelity._scorer()
+    scorer = fidelity.load_scorer()
     known = {row["scenario"]: row for row in json.loads((options.results / "fidelity.json").read_text())["rows"]}
     rows: list[dict[str, Any]] = []
     light: dict[tuple[str, str, int], list[float]] = {}
@@ -102,17 +103,17 @@ def _scenario(scorer: ModuleType, name: str, row: dict[str, Any]) -> fidelity.Sc
 def _row(scorer: ModuleType, scenario: fidelity.Scenario, name: str, known: dict[str, Any], pictures: Path,
          light: dict[tuple[str, str, int], list[float]]) -> dict[str, Any]:
     ours = _drawn(scenario, pictures / f"{name}.npz")
-    plain = _shown(ours)
+    plain = shown(*ours)
     undone = ours
     if name in UNDONE:
         undone = _drawn(scenario, pictures / f"{name}-undone.npz", *UNDONE[name][1:])
     score: dict[str, list[float]] = {step: [] for step in STEPS}
     for engine in scenario.references:
         reference = scenario.pictures[engine]
-        encoded = fidelity.coded_as(plain, engine)
+        encoded = coded_as(plain, engine)
         steps = {"plain": plain, "encoded": encoded, "compressed": _compressed(encoded)}
         if name in UNDONE:
-            steps["undone"] = _compressed(fidelity.coded_as(_shown(undone), engine))
+            steps["undone"] = _compressed(coded_as(shown(*undone), engine))
         for step, picture in steps.items():
             score[step].append(float(scorer.distance(reference, picture)[0]))
     if name != "GlamVelvetSofa":  # its light is ours alone
@@ -126,7 +127,7 @@ def _row(scorer: ModuleType, scenario: fidelity.Scenario, name: str, known: dict
 
 
 def _drawn(scenario: fidelity.Scenario, file: Path, change: Callable[[Scene], Scene] = lambda scene: scene,
-           more: dict[str, Any] | None = None) -> fidelity.Picture:
+           more: dict[str, Any] | None = None) -> Picture:
     """Our linear picture, not associated with its alpha, at the size of the references."""
     facts = scenario.facts
     if not file.is_file():
@@ -144,38 +145,29 @@ def _drawn(scenario: fidelity.Scenario, file: Path, change: Callable[[Scene], Sc
     return rgba[..., :3] / np.maximum(alpha, 1e-6)[..., None], alpha
 
 
-def _shown(picture: fidelity.Picture) -> fidelity.Picture:
-    """Through the tone curve of the scenarios, as sRGB, over white."""
-    x = np.maximum(picture[0], 0) / 0.6 @ fidelity._TO_RRT.T
-    y = (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081)
-    alpha = picture[1][..., None]
-    rgb = linear_to_srgb(np.clip(y @ fidelity._FROM_ODT.T, 0, 1)) * alpha + (1 - alpha)
-    return rgb.astype(np.float32), picture[1].astype(np.float32)
-
-
-def _compressed(picture: fidelity.Picture) -> fidelity.Picture:
+def _compressed(picture: Picture) -> Picture:
     """As WebP of the references' quality, whose colours have half the resolution of its brightness."""
     file = io.BytesIO()
     Image.fromarray((np.clip(picture[0], 0, 1) * 255 + 0.5).astype(np.uint8)).save(file, "WEBP", quality=90)
     return np.asarray(Image.open(file).convert("RGB"), np.float32) / 255, picture[1]
 
 
-def _even(picture: fidelity.Picture, ours: fidelity.Picture) -> np.ndarray:
+def _even(picture: Picture, ours: Picture) -> np.ndarray:
     """Where both are opaque, ours changes little from pixel to pixel, and no channel is near white."""
-    shown = _shown(ours)[0]
-    steep = np.hypot(*np.gradient(shown.mean(axis=2))) > 0.02
-    return (picture[1] > 0.998) & (ours[1] > 0.998) & ~steep & (np.maximum(shown, picture[0]).max(axis=2) < 0.97)
+    rgb = shown(*ours)[0]
+    steep = np.hypot(*np.gradient(rgb.mean(axis=2))) > 0.02
+    return (picture[1] > 0.998) & (ours[1] > 0.998) & ~steep & (np.maximum(rgb, picture[0]).max(axis=2) < 0.97)
 
 
-def _multiple(picture: fidelity.Picture, engine: str, ours: fidelity.Picture) -> float:
+def _multiple(picture: Picture, engine: str, ours: Picture) -> float:
     """The engine's light as a multiple of ours: the median over even parts."""
     own = ours[0].mean(axis=2)
     even = _even(picture, ours) & (own > LEVELS[0])
-    light = fidelity.radiance(fidelity.srgb_coded(picture, engine)).mean(axis=2)
+    light = radiance(srgb_coded(picture, engine)).mean(axis=2)
     return float(np.median(light[even] / own[even])) if even.any() else 1.0
 
 
-def _compare_levels(picture: fidelity.Picture, engine: str, ours: fidelity.Picture,
+def _compare_levels(picture: Picture, engine: str, ours: Picture,
                     light: dict[tuple[str, str, int], list[float]]) -> None:
     """Adds the engine's light as a multiple of ours, level by level, for each way in which it may be encoded."""
     even = _even(picture, ours)
@@ -185,13 +177,13 @@ def _compare_levels(picture: fidelity.Picture, engine: str, ours: fidelity.Pictu
     down = np.clip(picture[0] + 0.5 / 255, 0, 1) ** 2.2
     ways = {"sRGB": picture[0], "pow": linear_to_srgb(power), "pow, rounded down": linear_to_srgb(down)}
     for way, rgb in ways.items():
-        other = fidelity.radiance((rgb, picture[1])).mean(axis=2)
+        other = radiance((rgb, picture[1])).mean(axis=2)
         for k in range(1, len(LEVELS)):
             if (seen := even & (level == k)).sum() > 300:
                 light.setdefault((engine, way, k), []).append(float(np.median(other[seen] / own[seen])))
 
 
-def _shift(picture: fidelity.Picture, ours: fidelity.Picture) -> list[float] | None:
+def _shift(picture: Picture, ours: Picture) -> list[float] | None:
     """How far the silhouette lies right and below of ours, in pixels, and how much larger it is, in percent: the least
     squares of alpha' = alpha - (x, y, s r) grad alpha, whose gradient is the mean of both."""
     alpha = ours[1].astype(np.float64)

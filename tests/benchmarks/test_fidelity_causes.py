@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks import fidelity, fidelity_causes
+from benchmarks import fidelity_causes
+from benchmarks.encodings import coded_as, shown
 
 
 def disc(x: float, y: float, radius: float, size: int = 96) -> np.ndarray:
@@ -23,5 +24,5 @@ def test_shift_is_that_of_the_silhouette() -> None:
 @pytest.mark.parametrize("engine", ["vray", "dspbr-pt", "three-gpu-pathtracer"])
 def test_light_of_another_encoding_is_the_same_multiple_at_all_levels(engine: str) -> None:
     ours = np.tile(np.geomspace(0.01, 0.6, 64)[None, :, None], (8, 1, 3)), np.ones((8, 64))
-    theirs = fidelity.coded_as(fidelity_causes._shown((ours[0] * 0.9, ours[1])), engine)
+    theirs = coded_as(shown(ours[0] * 0.9, ours[1]), engine)
     assert fidelity_causes._multiple(theirs, engine, ours) == pytest.approx(0.9, abs=0.01)
