@@ -160,7 +160,93 @@ def test_a_pointer_to_what_is_not_there_is_named(pointer):
     assert f"{pointer[:80]!r} is not in the file, or is not drawn" in scene.warnings[0]
 
 
+def in_material(path, value):
+    """The JSON of a material with `value` at a pointer below it; textures on the way are the file's first."""
+    whole = place = {"emissiveFactor": [1, 1, 1],
+                     "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}}
+    *objects, key = path.split("/")
+    for name in objects:
+        place = place.setdefault(name, {"index": 0} if name.endswith("Texture") else {})
+    place[key] = value
+    return whole
+
+
+def numbers(material):
+    """All parameters of a material and the transforms of its maps."""
+    transforms = {f"{name}_texture": texture and texture.transform for name, texture in (
+        (name, source.texture(material)) for name, source in MAPS.items())}
+    return {name: getattr(material, name) for name in PARAMETERS} | transforms
+
+
+PATHS = {path: found for kind, _, properties in _KINDS if kind == "material" for path, found in properties.items()}
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_what_a_pointer_moves_is_as_in_a_file_that_has_it_at_rest(path):
+    found = PATHS[path]
+    info = PARAMETERS[found.name].info if found.name in PARAMETERS else None
+    least = max(1.0, info.low) if info is not None and info.high == math.inf else 0.0
+    first, last = (least + np.arange(1, found.size + 1) * step for step in (0.0625, 0.125))
+
+    def material(values):
+        return in_material(path, values.tolist() if found.size > 1 else values[0])
+
+    def load(json, moves=()):
+        builder = with_material(moves, **json)
+        builder.texture()
+        builder.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = builder.accessor(np.zeros((3, 2)))
+        return builder.load()
+
+    moving = load(material(first), [(f"/materials/1/{path}", [first, last])])
+    assert numbers(moving.at(1).materials[0]) == numbers(load(material(last)).materials[0])
+    assert numbers(moving.at(0).materials[0]) == numbers(moving.materials[0]) != numbers(moving.at(1).materials[0])
+
+
+def glossy(**more):
+    """The triangle's material has the archived extension, and what readers without it show."""
+    return {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 1, 1], "baseColorTexture": {
+                "index": 0, "extensions": {TRANSFORM: {}}}},
+            "extensions": {"KHR_materials_specular": {"specularColorFactor": [1, 0, 0]}, GLOSSY: {
+                "diffuseFactor": [0.5, 0.25, 0.125, 0.75], "specularFactor": [0.25, 0.5, 0.125],
+                "glossinessFactor": 0.75, **more}}}
+
+
+GLOSSY = "KHR_materials_pbrSpecularGlossiness"
+MAP = {"specularGlossinessTexture": {"index": 0}}
+
+
+@pytest.mark.parametrize("more", [{}, MAP], ids=["factors", "map"])
+@pytest.mark.parametrize("moved", [{"diffuseFactor": [1, 0.5, 0.25, 0]}, {"specularFactor": [1, 0, 0]},
+                                   {"glossinessFactor": 0.25}])
+def test_factors_of_specular_and_glossiness(moved, more):
+    """One is moved, and the others stay: without a map all are converted together."""
+    (name, value), = moved.items()
+    beyond = np.multiply(value, 2)  # values beyond the range are clamped
+    builder = with_material([(f"/materials/1/extensions/{GLOSSY}/{name}", [value, beyond])], **glossy(**more))
+    builder.texture()
+    still = with_material([], **glossy(**more, **moved))
+    still.texture()
+    scene = builder.load()
+    assert numbers(scene.at(0).materials[0]) == numbers(still.load().materials[0])
+    assert not any("pointer" in warning for warning in scene.warnings)
+    clamped = with_material([], **glossy(**more, **{name: np.clip(beyond, 0, 1).tolist()}))
+    clamped.texture()
+    assert numbers(scene.at(1).materials[0]) == numbers(clamped.load().materials[0])
+
+
+@pytest.mark.parametrize("pointer", [
+    "pbrMetallicRoughness/baseColorFactor", "pbrMetallicRoughness/metallicFactor",
+    f"pbrMetallicRoughness/baseColorTexture/extensions/{TRANSFORM}/offset",
+    "extensions/KHR_materials_specular/specularColorFactor", f"extensions/{GLOSSY}/specular",
+    f"extensions/{GLOSSY}/diffuseTexture/extensions/{TRANSFORM}/offset"])
+def test_what_specular_and_glossiness_take_the_place_of_is_not_drawn(pointer):
+    builder = with_material([(f"/materials/1/{pointer}", [[0, 0, 0], [1, 1, 1]])], **glossy())
+    builder.texture()
+    scene = builder.load()
+    assert scene.animations == () and sum("pointer" in warning for warning in scene.warnings) == 1
+
+
 def test_every_parameter_and_map_of_a_material_has_a_pointer():
-    names = {found.name for kind, _, properties in _KINDS if kind == "material" for found in properties.values()}
+    names = {found.name for found in PATHS.values()}
     assert set(PARAMETERS) <= names
     assert {f"{name}_texture.{part}" for name in MAPS for part in ("offset", "rotation", "scale")} <= names

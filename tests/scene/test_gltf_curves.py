@@ -85,6 +85,23 @@ def test_the_colour_is_that_of_the_vertices_times_that_of_the_material():
     np.testing.assert_allclose(only(builder).colors, colors * np.float32([0.5, 0.25, 1]))
 
 
+def test_the_colour_moves_with_the_base_colour_of_the_material():
+    builder = lines(3, material=0)
+    colors = np.random.default_rng(0).random((6, 3)).astype(np.float32)
+    builder.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = builder.accessor(colors)
+    builder.json["materials"] = [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 1]}}]
+    builder.json["animations"] = [{"samplers": [{
+        "input": builder.accessor(np.float32([0, 1])),
+        "output": builder.accessor(np.float32([[0.5, 0.25, 1, 1], [2, 0.75, 0, 1]]))}], "channels": [
+            {"sampler": 0, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {
+                "pointer": "/materials/0/pbrMetallicRoughness/baseColorFactor"}}}}]}]
+    scene = builder.load()
+    later = scene.at(1)
+    np.testing.assert_allclose(later.curves[0].colors, colors * np.float32([1, 0.75, 0]))
+    np.testing.assert_array_equal(later.curves[0].points, scene.curves[0].points)
+    assert later.at(1).curves is later.curves and later.at(0).curves[0] is scene.at(0).curves[0] is scene.curves[0]
+
+
 def test_hidden_nodes_have_no_curves():
     builder = lines(3)
     builder.json["nodes"][0]["extensions"] = {VISIBILITY: {"visible": False}}

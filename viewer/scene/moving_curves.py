@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,13 +14,19 @@ from .rig import Skin
 
 @dataclass(frozen=True, eq=False)
 class Strands:
-    """Points and radii as they stand in a file, (n, 3) and (n,) float32. A skin moves them as `joints` and `weights`,
-    (K, n) each, say (see `Deformation`); None without one."""
+    """Points and radii as they stand in a file, (n, 3) and (n,) float32, and the `colors` of points, (n, 3) or None. A
+    skin moves them as `joints` and `weights`, (K, n) each, say (see `Deformation`); None without one."""
 
     points: np.ndarray
     radii: np.ndarray
     joints: np.ndarray | None = None
     weights: np.ndarray | None = None
+    colors: np.ndarray | None = None
+
+    def tinted(self, tint: Sequence[float], copies: int) -> np.ndarray:
+        """The colours of so many copies, (copies * n, 3) float32: the points' times `tint`, linear RGB."""
+        colors = np.ones_like(self.points) if self.colors is None else self.colors
+        return np.tile(colors * np.asarray(tint, np.float32), (copies, 1))
 
     def moved(self, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points and radii in the world: a copy for each of `matrices` (C, 4, 4) or, with joints, one copy that theirs
@@ -56,19 +63,26 @@ class Mover:
 
 @dataclass(frozen=True, eq=False)
 class MovingCurves:
-    """Curves of a scene as they are at rest, and what they are made from at other times."""
+    """Curves of a scene as they are at rest, and what they are made from at other times. `material` is the number in
+    the file of the material whose base colour tints them, -1 for none."""
 
     at_rest: Curves
     strands: Strands
     mover: Mover
+    material: int = -1
 
-    def at(self, matrices: np.ndarray) -> Curves:
-        """The curves under the mover's matrices; `at_rest` itself where they are as there.
+    def at(self, matrices: np.ndarray, tint: np.ndarray | None) -> Curves:
+        """The curves under the mover's matrices, tinted by (3,) or, with None, as at rest; `at_rest` itself where they
+        are as there.
 
         Raises UsageError if a point comes where no float32 is.
         """
         points, radii = (values.astype(np.float32) for values in self.strands.moved(matrices))
         rest = self.at_rest
-        if np.array_equal(points, rest.points) and np.array_equal(radii, rest.radii):
+        colors = rest.colors
+        if tint is not None:
+            tinted = self.strands.tinted(tint.tolist(), len(self.mover.offsets))
+            colors = colors if colors is not None and np.array_equal(tinted, colors) else tinted
+        if np.array_equal(points, rest.points) and np.array_equal(radii, rest.radii) and colors is rest.colors:
             return rest
-        return replace(rest, points=points, radii=radii)
+        return replace(rest, points=points, radii=radii, colors=colors)

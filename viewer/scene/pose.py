@@ -21,7 +21,7 @@ from .scene import MAX_EXTENT, Instance, Scene
 _SHAPE = "deformed by"
 """The attribute of a posed scene with what each of its deformed meshes was made from."""
 _STRANDS = "curves moved by"
-"""The same of its curves: the bytes of their matrices."""
+"""The same of its curves: the bytes of their matrices and colours."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def posed(scene: Scene, animation: Animation, time: float) -> Scene:
             world = _world(rig.nodes, values)
             hidden = _hidden(rig.nodes, values)
             meshes, made = _meshes(scene, rig, values, world)
-            curves, moved_by = _curves(scene, rig, world, hidden)
+            curves, moved_by = _curves(scene, rig, values, world, hidden)
             changes: dict[str, Any] = {
                 "meshes": meshes, "curves": curves, "instances": _instances(scene, rig, world, hidden),
                 "materials": posed_materials(scene, values), "lights": _lights(scene, rig, world, values, hidden),
@@ -97,18 +97,20 @@ def _meshes(scene: Scene, rig: Rig, values: dict[Target, np.ndarray],
     return (scene.meshes if made == before else tuple(meshes)), made
 
 
-def _curves(scene: Scene, rig: Rig, world: np.ndarray,
+def _curves(scene: Scene, rig: Rig, values: dict[Target, np.ndarray], world: np.ndarray,
             hidden: np.ndarray) -> tuple[tuple[Curves, ...], dict[int, bytes]]:
-    """The curves, and the bytes of the matrices that moved them."""
+    """The curves, and the bytes of the matrices that moved them and of the colours that tinted them."""
     if len(scene.curves) < len(rig.curves):  # some were taken away
         return scene.curves, {}
     before: dict[int, bytes] = scene.__dict__.get(_STRANDS, {})
     made, curves = {}, list(scene.curves)
     for number, moving in enumerate(rig.curves):
         matrices = moving.mover.matrices(world, hidden)
-        made[number] = matrices.tobytes()
+        color = values.get(Target("material", moving.material, "base_color"))
+        tint = None if color is None else np.clip(color[:3], 0.0, 1.0)
+        made[number] = matrices.tobytes() + (b"" if tint is None else tint.tobytes())
         if made[number] != before.get(number):
-            curves[number] = moving.at(matrices)
+            curves[number] = moving.at(matrices, tint)
     return (scene.curves if all(a is b for a, b in zip(curves, scene.curves)) else tuple(curves)), made
 
 

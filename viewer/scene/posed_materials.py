@@ -12,6 +12,7 @@ from .animation import Target
 from .light import BRIGHTEST
 from .material import Material, UVTransform
 from .schema import PARAMETERS
+from .specular_glossiness import Factors, with_factors
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -40,7 +41,8 @@ def plain(value: np.ndarray) -> Any:
 
 
 def moved_material(material: Material, values: Mapping[str, np.ndarray]) -> Material:
-    """`material` with the values of tracks, by the names of their targets. That of "emissive" needs the strength."""
+    """`material` with the values of tracks, by the names of their targets. That of "emissive" needs the strength,
+    and each of `Factors` needs the others."""
     changes: dict[str, Any] = {}
     for name, value in values.items():
         if name in PARAMETERS:
@@ -56,4 +58,7 @@ def moved_material(material: Material, values: Mapping[str, np.ndarray]) -> Mate
     if "emissive" in changes:  # which is multiplied by its strength
         strength = max(float(values["emissive_strength"][0]), 0.0)
         changes["emissive"] = tuple(min(channel * strength, BRIGHTEST) for channel in changes["emissive"])
-    return replace(material, **changes)
+    moved = replace(material, **changes)
+    if "diffuse" not in values:
+        return moved
+    return with_factors(moved, Factors(*(plain(np.clip(values[name], 0.0, 1.0)) for name in Factors._fields)))

@@ -8,12 +8,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
-from .material import Material
-from .parameter import WHITE
+from .material import RGB, Material
+from .parameter import RGBA, WHITE
 
 DIELECTRIC_F0 = 0.04
 """Of the default index of refraction, 1.5; specular_color multiplies it."""
+
+
+class Factors(NamedTuple):
+    """The extension's factors, each from 0 to 1; tracks move them by these names."""
+
+    diffuse: RGBA
+    specular_f0: RGB
+    glossiness: float
+
+
+def with_factors(material: Material, factors: Factors) -> Material:
+    """`material`, which has the maps, with the factors in place of its own; without the map of specular and glossiness
+    it becomes a dielectric of metallic-roughness."""
+    red, green, blue = (channel / DIELECTRIC_F0 for channel in factors.specular_f0)
+    factored = replace(
+        material, base_color=factors.diffuse, metallic=0.0, perceptual_roughness=1.0 - factors.glossiness,
+        specular_color=(red, green, blue))
+    return factored if factored.specular_glossiness_texture is not None else with_glossiness(factored)
 
 
 def with_glossiness(material: Material, texel: Sequence[float] = WHITE) -> Material:

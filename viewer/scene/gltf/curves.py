@@ -25,14 +25,15 @@ def is_curves(primitive: Element) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """The strands of a primitive as it stands in the file. `colors` (n, 3) are float32 or None; `offsets` and `closed`
-    are those of `Curves`."""
+    """The strands of a primitive as it stands in the file. `offsets` and `closed` are those of `Curves`; `material` is
+    the number of its material, -1 for none, and `tint` the linear RGB of that."""
 
     primitive: Element
     strands: Strands
     offsets: np.ndarray
     closed: np.ndarray
-    colors: np.ndarray | None
+    material: int
+    tint: tuple[float, ...]
 
 
 def read_lines(accessors: Accessors, primitive: Element, materials: list[Element], joint_count: int) -> Lines | None:
@@ -62,8 +63,12 @@ def read_lines(accessors: Accessors, primitive: Element, materials: list[Element
     joints = weights = None
     if joint_count:
         joints, weights = (values[:, order] for values in read_influences(attributes, vertices, joint_count))
-    return Lines(primitive, Strands(positions[order], radii[order], joints, weights), offsets, closed,
-                 _colors(vertices, primitive, materials, order))
+    colors = None
+    if "COLOR_0" in attributes:
+        colors = vertex_colors(attributes, vertices.floats(attributes, "COLOR_0", "VEC3", "VEC4"))[order, :3]
+    material: int = primitive.index("material", len(materials), -1)
+    return Lines(primitive, Strands(positions[order], radii[order], joints, weights, colors), offsets, closed, material,
+                 _tint(materials[material]) if material >= 0 else (1.0,) * 3)
 
 
 def _strands(pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -82,20 +87,11 @@ def _strands(pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return order, offsets, closed
 
 
-def _colors(vertices: Vertices, primitive: Element, materials: list[Element], order: np.ndarray) -> np.ndarray | None:
-    attributes = primitive.object("attributes")
-    number = primitive.index("material", len(materials), None)
-    if number is None and "COLOR_0" not in attributes:
-        return None
-    colors = np.ones((len(order), 3), np.float32)
-    if "COLOR_0" in attributes:
-        colors *= vertex_colors(attributes, vertices.floats(attributes, "COLOR_0", "VEC3", "VEC4"))[order, :3]
-    if number is not None:
-        surface = materials[number].object("pbrMetallicRoughness")
-        colors *= np.float32(surface.vector("baseColorFactor", 4, (1.0,) * 4, 0.0, 1.0)[:3])
-        if "baseColorTexture" in surface:
-            surface.warn("curves are drawn without textures", "baseColorTexture")
-    return colors
+def _tint(material: Element) -> tuple[float, ...]:
+    surface = material.object("pbrMetallicRoughness")
+    if "baseColorTexture" in surface:
+        surface.warn("curves are drawn without textures", "baseColorTexture")
+    return surface.vector("baseColorFactor", 4, (1.0,) * 4, 0.0, 1.0)[:3]
 
 
 def placed(accessors: Accessors, lines: Lines, name: str, matrices: np.ndarray, copies: int) -> Curves:
@@ -105,5 +101,6 @@ def placed(accessors: Accessors, lines: Lines, name: str, matrices: np.ndarray, 
         accessors.claim(lines.primitive, (copies - 1) * count, f"{copies} copies of {count} points of curves")
     points, radii = lines.strands.moved(matrices)
     offsets = (lines.offsets[None, :-1] + count * np.arange(copies)[:, None]).ravel()
+    is_plain = lines.material < 0 and lines.strands.colors is None
     return Curves(name, points, radii, np.append(offsets, copies * count), np.tile(lines.closed, copies),
-                  colors=None if lines.colors is None else np.tile(lines.colors, (copies, 1)))
+                  colors=None if is_plain else lines.strands.tinted(lines.tint, copies))

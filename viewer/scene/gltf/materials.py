@@ -21,10 +21,10 @@ from ..parameter import Feature
 from ..posed_materials import moved_material
 from ..scene import Variant
 from ..schema import FEATURES, MAPS, PARAMETERS, Parameter, Value
-from ..specular_glossiness import with_glossiness
+from ..specular_glossiness import Factors, with_factors
 from .element import Element
 from .scatter import read_scatter
-from .specular_glossiness import read_specular_glossiness
+from .specular_glossiness import read_factors
 from .textures import Textures
 from .variants import VARIANTS, material_choice, unique_names
 
@@ -95,6 +95,9 @@ class Materials:
             return np.atleast_1d(_emissive_strength(element))
         if name == "emissive":  # `Material.emissive` is multiplied by the strength
             return np.array(element.vector("emissiveFactor", 3, (0.0, 0.0, 0.0), 0.0, 1.0))
+        glossy = element.extension(SPECULAR_GLOSSINESS.extension)
+        if name in Factors._fields and glossy is not None:
+            return np.atleast_1d(read_factors(glossy)[name])
         field, _, part = name.partition(".")
         value = getattr(material, field)
         if part:
@@ -125,7 +128,7 @@ def read_material(element: Element, textures: Textures) -> Material:
     strength = _emissive_strength(element)
     values["emissive"] = tuple(channel * strength for channel in values["emissive"])
     if glossy is not None:
-        values |= read_specular_glossiness(glossy, textures)
+        values["base_color_texture"] = textures.read(glossy, "diffuseTexture", MAPS["base_color"].info.neutral)
     values |= read_scatter(element, {**_DEFAULTS, **values})
     material = Material(
         name=element.string("name", ""),
@@ -134,8 +137,7 @@ def read_material(element: Element, textures: Textures) -> Material:
         unlit=element.extension("KHR_materials_unlit") is not None,
         **values,
     )
-    has_map = material.specular_glossiness_texture is not None
-    return material if glossy is None or has_map else with_glossiness(material)
+    return material if glossy is None else with_factors(material, Factors(**read_factors(glossy)))
 
 
 def _place(element: Element, feature: Feature) -> Element | None:

@@ -7,25 +7,30 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..animation import Target
+from ..material import METALLIC_ROUGHNESS, SPECULAR_GLOSSINESS
 from ..parameter import Feature
 from ..schema import MAPS, PARAMETERS
 from .element import Element
 from .nodes import VISIBILITY
+from .specular_glossiness import FACTORS
 
 _TRANSFORM = "extensions/KHR_texture_transform"
+_GLOSSY = f"extensions/{SPECULAR_GLOSSINESS.extension}"
 _STRENGTH = "extensions/KHR_materials_emissive_strength/emissiveStrength"
 
 
 @dataclass(frozen=True)
 class Property:
     """A property of a kind of things: its name in `Target`, the type of its values, and how many numbers they have.
-    `needs` is the JSON object, below the thing, without which the file does not have it.
+    `needs` is the JSON object, below the thing, without which the file does not have it, and `unless` the one that
+    takes its place.
     """
 
     name: str
     kind: str
     size: int
     needs: str = ""
+    unless: str = ""
 
 
 def _of_materials() -> dict[str, Property]:
@@ -35,14 +40,27 @@ def _of_materials() -> dict[str, Property]:
         place = _place(parameter.info.feature)
         path = "/".join([*place, *parameter.info.key.split(".")])
         texture = parameter.info.key.rpartition(".")[0]
-        kind = "SCALAR" if parameter.size == 1 else f"VEC{parameter.size}"
-        found[path] = Property(parameter.name, kind, parameter.size, _needs([*place, *[texture] * bool(texture)]))
+        unless = _GLOSSY if parameter.info.feature is METALLIC_ROUGHNESS or parameter.name == "specular_color" else ""
+        found[path] = Property(parameter.name, _kind(parameter.size), parameter.size,
+                               _needs([*place, *[texture] * bool(texture)]), unless)
     for name, source in MAPS.items():
         info = "/".join([*_place(source.info.feature), source.info.key])
-        for key, size in (("offset", 2), ("rotation", 1), ("scale", 2)):
-            found[f"{info}/{_TRANSFORM}/{key}"] = Property(
-                f"{name}_texture.{key}", "SCALAR" if size == 1 else "VEC2", size, f"{info}/{_TRANSFORM}")
+        found |= _of_texture(name, info, _GLOSSY if source.info.feature is METALLIC_ROUGHNESS else "")
+    found |= _of_texture("base_color", f"{_GLOSSY}/diffuseTexture")
+    for key, (name, size) in FACTORS.items():
+        found[f"{_GLOSSY}/{key}"] = Property(name, _kind(size), size, _GLOSSY)
     return found
+
+
+def _of_texture(name: str, info: str, unless: str = "") -> dict[str, Property]:
+    """Those of the transform of a map, whose texture info is at `info`."""
+    return {f"{info}/{_TRANSFORM}/{key}": Property(f"{name}_texture.{key}", _kind(size), size, f"{info}/{_TRANSFORM}",
+                                                   unless)
+            for key, size in (("offset", 2), ("rotation", 1), ("scale", 2))}
+
+
+def _kind(size: int) -> str:
+    return "SCALAR" if size == 1 else f"VEC{size}"
 
 
 def _place(feature: Feature) -> list[str]:
@@ -97,7 +115,8 @@ class Pointers:
                 return None
             weight = re.fullmatch(r"weights/(0|[1-9][0-9]{0,8})", path) if kind in ("node", "mesh") else None
             found = Property(f"weights[{int(weight[1])}]", "SCALAR", 1) if weight else properties.get(path)
-            if found is None or (found.needs and not isinstance(_at(items[number], found.needs), dict)):
+            if (found is None or (found.needs and not isinstance(_at(items[number], found.needs), dict))
+                    or (found.unless and isinstance(_at(items[number], found.unless), dict))):
                 return None
             if found.name.startswith("weights"):
                 mesh = number if kind == "mesh" else self._meshes[number]

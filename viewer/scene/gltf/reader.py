@@ -17,6 +17,7 @@ from ..mesh import Mesh
 from ..moving_curves import Mover, MovingCurves
 from ..rig import Deformed, Rig, Skin
 from ..scene import Instance, Scene
+from ..specular_glossiness import Factors
 from .accessors import Accessors
 from .animations import read_animations
 from .buffers import Buffers
@@ -34,7 +35,8 @@ from .skins import Skins
 from .textures import Textures
 
 MAX_INSTANCES = 1 << 20
-_EMISSION = ("emissive", "emissive_strength")
+_TOGETHER = ("emissive", "emissive_strength"), Factors._fields
+"""Names of targets of which a material needs all where tracks move any."""
 
 
 def load_gltf(path: Path, data: bytes, scene: int | str | None = None) -> Scene:
@@ -122,12 +124,14 @@ class _Reader:
     def _at_rest(self, lights: dict[int, Light], cameras: dict[int, Camera]) -> dict[Target, np.ndarray]:
         """The values of all that tracks move of materials, lights and cameras that are there."""
         targets = {track.target for animation in self.animations for track in animation.tracks}
-        targets |= {target._replace(name=name) for target in targets if target.name in _EMISSION for name in _EMISSION}
+        targets |= {target._replace(name=name) for target in targets for names in _TOGETHER if target.name in names
+                    for name in names}
         targets |= {Target("light", number, "intensity") for number in lights if self._shown}
         values = {}
+        drawn = self.materials.drawn | {curves.material for curves in self._curves}
         for target in sorted(targets):
             kind, number, name = target
-            if kind == "material" and number in self.materials.drawn:
+            if kind == "material" and number in drawn:
                 values[target] = self.materials.value(number, name)
             elif kind in ("light", "camera") and number in (found := lights if kind == "light" else cameras):
                 thing: Any = found[number]
@@ -201,7 +205,7 @@ class _Reader:
             at_rest = placed(self.accessors, lines, name, matrices, len(mover.offsets))
         except UsageError as error:
             raise lines.primitive.error(str(error)) from error
-        self._curves.append(MovingCurves(at_rest, lines.strands, mover))
+        self._curves.append(MovingCurves(at_rest, lines.strands, mover, lines.material))
 
     def _all_offsets(self) -> np.ndarray | None:
         """The matrices of all instances to their nodes, (I, 4, 4); None if all are at their nodes."""

@@ -4,20 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..schema import MAPS
-from ..specular_glossiness import DIELECTRIC_F0
 from .element import Element
-from .textures import Textures
+
+FACTORS = {"diffuseFactor": ("diffuse", 4), "specularFactor": ("specular_f0", 3), "glossinessFactor": ("glossiness", 1)}
+"""The name of each in `viewer.scene.specular_glossiness.Factors`, and how many numbers it has."""
 
 
-def read_specular_glossiness(place: Element, textures: Textures) -> dict[str, Any]:
-    """The fields of `Material` that the extension replaces, but for its map of specular and glossiness."""
-    white = (1.0, 1.0, 1.0)
-    specular = place.vector("specularFactor", 3, white, 0.0, 1.0)
-    return {
-        "base_color": place.vector("diffuseFactor", 4, (*white, 1.0), 0.0, 1.0),
-        "base_color_texture": textures.read(place, "diffuseTexture", MAPS["base_color"].info.neutral),
-        "metallic": 0.0,
-        "perceptual_roughness": 1.0 - place.number("glossinessFactor", 1.0, 0.0, 1.0),
-        "specular_color": tuple(channel / DIELECTRIC_F0 for channel in specular),
-    }
+def read_factors(place: Element) -> dict[str, Any]:
+    """The extension's factors, as numbers and tuples, by their names in `Factors`."""
+    return {name: place.vector(key, size, (1.0,) * size, 0.0, 1.0) if size > 1 else place.number(key, 1.0, 0.0, 1.0)
+            for key, (name, size) in FACTORS.items()}
