@@ -17,9 +17,8 @@ import numpy as np
 
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
-from ..plan.model import Plan
+from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
-from ..scene.material import Texture
 from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .gbuffer import UNIT_NORMALS
@@ -74,7 +73,7 @@ class EnvironmentShadows:
         self._scale = 0.0
 
     def show(self, scene: Scene, plan: Plan, fog: MediaLight | None,
-             mean: Callable[[Texture, str], np.ndarray]) -> None:
+             mean: Callable[[Draw, str], np.ndarray]) -> None:
         """Draw the maps, unless they show this scene already. `fog` is the light in it, None without fog, and `mean`
         gives that of a material's map."""
         is_shown = self._scene is not None and scene.has_surfaces_of(self._scene)

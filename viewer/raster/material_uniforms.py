@@ -66,7 +66,7 @@ class MaterialUniforms:
         if texture is None:
             self._textures.bind_blank(name, unit)
         else:
-            self._textures.bind(texture, name, unit)
+            self._textures.bind(draw, name, unit)
         set_uniform(program, f"u_{name}_map", unit)
         if draw.program[f"{name.upper()}_TRANSFORM"]:
             transform = (texture and texture.transform) or UVTransform()

@@ -19,11 +19,10 @@ from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..plan.media import MAX_VOLUMES, SLICE_COUNT, travelled
-from ..plan.model import Plan
+from ..plan.model import Draw, Plan
 from ..scene.camera import Camera
 from ..scene.fog import REACH, fog_medium, fog_of
 from ..scene.frame import Frame
-from ..scene.material import Texture
 from ..scene.medium import VACUUM, Medium
 from ..scene.phase import mean_cosine
 from ..scene.scene import Scene
@@ -60,7 +59,7 @@ class MediaPass:
         self._scene: Scene | None = None
 
     def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None,
-                shadows: ShadowMaps | None, casters: Casters, mean: Callable[[Texture, str], np.ndarray]) -> None:
+                shadows: ShadowMaps | None, casters: Casters, mean: Callable[[Draw, str], np.ndarray]) -> None:
         """Upload volumes and bake the light in the media, unless an earlier frame has left them. Binds uniform blocks
         of its own. `casters` draw what stands before the environment, and `mean` gives that of a material's map."""
         self._take_volumes(scene)

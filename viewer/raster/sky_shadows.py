@@ -13,7 +13,7 @@ from ..bake.many_lights import ManyLights
 from ..plan.media import SKY_LIGHTS
 from ..plan.model import Draw, Plan
 from ..scene.color import LUMINANCE
-from ..scene.material import Material, Texture
+from ..scene.material import Material
 from ..scene.scene import Scene
 from .shadows import Atlas, Casters, directional_tiles
 from .units import UNIT_SKY_SHADOWS
@@ -26,7 +26,7 @@ class SkyShadows:
     shaders/raster/media_bake.frag about the centre of the scene."""
 
     def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, sky: ManyLights, casters: Casters,
-                 mean: Callable[[Texture, str], np.ndarray]) -> None:
+                 mean: Callable[[Draw, str], np.ndarray]) -> None:
         self._atlas = Atlas(gl, SKY_LIGHTS, _TILE)
         tiles = directional_tiles(-sky.directions, scene, self._atlas.tile_size)
         self._atlas.draw(scene, tiles, [draw for draw in plan.draws if draw.hides_sky], casters)
@@ -55,7 +55,7 @@ class MeanSurface:
     """The radius of a disc as large as the mean side of the boxes, in scene units."""
 
 
-def mean_surface(scene: Scene, draws: Sequence[Draw], mean: Callable[[Texture, str], np.ndarray]) -> MeanSurface:
+def mean_surface(scene: Scene, draws: Sequence[Draw], mean: Callable[[Draw, str], np.ndarray]) -> MeanSurface:
     """`mean` gives that of a map."""
     sizes = np.ptp(scene.corners, axis=1) / scene.radius
     areas = (sizes * np.roll(sizes, 1, axis=1)).sum(axis=1)
@@ -69,10 +69,10 @@ def mean_surface(scene: Scene, draws: Sequence[Draw], mean: Callable[[Texture, s
     return MeanSurface(reflectance, emission, math.sqrt(sides.sum() / total / math.pi))
 
 
-def _mean_color(draw: Draw, name: str, mean: Callable[[Texture, str], np.ndarray]) -> np.ndarray:
+def _mean_color(draw: Draw, name: str, mean: Callable[[Draw, str], np.ndarray]) -> np.ndarray:
     color = np.array(getattr(draw.surface, name)[:3], np.float64)
     texture = getattr(draw.surface, f"{name}_texture")
-    return color * mean(texture, name) if texture is not None and name in draw.maps else color
+    return color * mean(draw, name) if texture is not None and name in draw.maps else color
 
 
 def _hidden_share(material: Material) -> float:

@@ -33,6 +33,6 @@ def interior_uniforms(draw: Draw, textures: Textures, unit: float) -> Iterator[t
 
 
 def _mean_roughness(draw: Draw, textures: Textures) -> float:
-    texture = draw.surface.metallic_roughness_texture if "metallic_roughness" in draw.maps else None
-    share = 1.0 if texture is None else float(textures.mean(texture, "metallic_roughness")[1])
+    is_mapped = draw.surface.metallic_roughness_texture is not None and "metallic_roughness" in draw.maps
+    share = float(textures.mean(draw, "metallic_roughness")[1]) if is_mapped else 1.0
     return draw.surface.perceptual_roughness * share

@@ -11,14 +11,14 @@ from ..base.heap import trim_heap
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.mipmaps import mipmapped_texture
-from ..plan.model import Plan
+from ..plan.model import Draw, Plan
 from ..scene.color import srgb_to_linear
-from ..scene.decoding import Decoder, Key
+from ..scene.decoding import Decoder, Key, Meaning, encoding_of
 from ..scene.material import Sampler, Texture
-from ..scene.parameter import WHITE, Encoding
+from ..scene.parameter import WHITE
 from ..scene.schema import MAPS
 from ..scene.texture_image import TextureImage
-from .sampled_images import channels_read, sampled_images
+from .sampled_images import channels_read, meaning_of, sampled_images
 
 _FILTERS = {
     ("nearest", None): moderngl.NEAREST,
@@ -42,7 +42,7 @@ class Textures:
         self._examples: dict[str, Key] = {}
         self._samplers: dict[Sampler, moderngl.Sampler] = {}
         self._decoders: list[Decoder] = []
-        self._channels: dict[tuple[TextureImage, Encoding], str] = {}
+        self._channels: dict[tuple[TextureImage, Meaning], str] = {}
         self._sizes: dict[Key, int] = {}
         self._means: dict[Key, np.ndarray] = {}
         self._normal_maps: set[TextureImage] = set()
@@ -76,11 +76,11 @@ class Textures:
         self._release_unread()
         for draw in plan.draws:
             for name in draw.maps:
-                image, encoding = MAPS[name].texture(draw.surface).image, MAPS[name].info.encoding
+                image, meaning = MAPS[name].texture(draw.surface).image, meaning_of(draw, name)
                 if name == "normal" and image not in self._normal_maps:
                     self._normal_maps.add(image)
                     self._release_of(image)  # what a coat's map has not kept of its grooves
-                self._examples.setdefault(name, (image, self._channels[image, encoding], encoding))
+                self._examples.setdefault(name, (image, self._channels[image, meaning], meaning))
         known = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
         self._decoders.append(Decoder(sampled_images(plan, self._channels) - known))
 
@@ -93,23 +93,26 @@ class Textures:
                     if levels[0].shape[2] > 4 and key[0] in self._normal_maps:
                         self._roots[key[0]] = mipmapped_texture(self._context, [level[..., 4:] for level in levels])
                     levels = [level[..., :4] for level in levels]
-                    self._textures[key] = _upload(self._context, levels, key[2] == "srgb")
+                    is_srgb = encoding_of(key[2]) == "srgb"
+                    self._textures[key] = _upload(self._context, levels, is_srgb)
                     self._sizes[key] = sum(level.nbytes for level in levels)
-                    self._means[key] = _mean(levels[-1], key[2] == "srgb")
+                    self._means[key] = _mean(levels[-1], is_srgb)
                 del levels
                 trim_heap()  # OpenGL has its own copy now
         self.seconds += time.perf_counter() - started
 
-    def mean(self, texture: Texture, name: str) -> np.ndarray:
-        """The mean of a map of a material, (3,) float64, linear. A prefetched plan must sample the map."""
-        encoding = MAPS[name].info.encoding
-        return self._means[texture.image, self._channels[texture.image, encoding], encoding]
+    def mean(self, draw: Draw, name: str) -> np.ndarray:
+        """The mean of a map of a draw, (3,) float64, linear. A prefetched plan must sample the map."""
+        return self._means[self._key(draw, name)]
 
-    def bind(self, texture: Texture, name: str, unit: int) -> None:
-        """Bind a map of a material to a texture unit, with its sampler. A prefetched plan must sample the map."""
-        encoding = MAPS[name].info.encoding
-        self._textures[texture.image, self._channels[texture.image, encoding], encoding].use(unit)
-        self._sampler(texture.sampler).use(unit)
+    def bind(self, draw: Draw, name: str, unit: int) -> None:
+        """Bind a map of a draw to a texture unit, with its sampler. A prefetched plan must sample the map."""
+        self._textures[self._key(draw, name)].use(unit)
+        self._sampler(MAPS[name].texture(draw.surface).sampler).use(unit)
+
+    def _key(self, draw: Draw, name: str) -> Key:
+        image, meaning = MAPS[name].texture(draw.surface).image, meaning_of(draw, name)
+        return image, self._channels[image, meaning], meaning
 
     def bind_root(self, texture: Texture, unit: int) -> None:
         """Bind the square root of the covariance of a normal map that is among `grooved`."""

@@ -12,9 +12,8 @@ from ..base.reusable import Reusable
 from ..gpu.free import free
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
-from ..plan.model import Plan
+from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
-from ..scene.material import Texture
 from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
@@ -37,7 +36,7 @@ class VisibilityPass:
         self._shadows: EnvironmentShadows | None = None
 
     def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, fog: MediaLight | None, casters: Casters,
-                mean: Callable[[Texture, str], np.ndarray]) -> None:
+                mean: Callable[[Draw, str], np.ndarray]) -> None:
         """Draw the shadow maps that `plan` needs, unless they are there. `fog` is the light in it, and `mean` gives
         that of a material's map."""
         if self._shadows is None or not self._shadows.holds(environment, plan):

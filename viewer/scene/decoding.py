@@ -14,9 +14,12 @@ from ..scene.color import srgb_to_linear
 from ..scene.mip_levels import mip_levels, without_hidden
 from ..scene.normal_spread import with_spread
 from ..scene.parameter import Encoding
+from ..scene.sheen_levels import SheenMap
 from ..scene.texture_image import TextureImage
 
-Key = tuple[TextureImage, str, Encoding]
+Meaning = Encoding | SheenMap
+"""What the numbers of an image are to a map, and to those beside it."""
+Key = tuple[TextureImage, str, Meaning]
 """An image, the channels to read (R, RGB, RGBA, or RGBC where the fourth is coverage, and RGBCO where opaque surfaces
 show what it hides elsewhere), and what they are."""
 
@@ -72,17 +75,24 @@ class Decoder:
                 self._ready.put((key, error))
 
 
-def decode_levels(image: TextureImage, channels: str, encoding: Encoding) -> list[np.ndarray]:
+def encoding_of(meaning: Meaning) -> Encoding:
+    """That of the numbers alone."""
+    return meaning.encoding if isinstance(meaning, SheenMap) else meaning
+
+
+def decode_levels(image: TextureImage, channels: str, meaning: Meaning) -> list[np.ndarray]:
     """The mip levels of `image`, (H, W, C) each, with the fewest channels that contain `channels`.
 
     They are uint8 (encoded as sRGB if the image is) or uint16. sRGB images with 16 bits are decoded to linear float16.
     Those of normals have a fourth channel for the spread of the normals (`with_spread`). Those of RGBC have the colours
-    that are seen.
+    that are seen, and those of a `SheenMap` what reflects as it does with the maps beside it.
     """
-    if encoding == "normal":
+    if meaning == "normal":
         return with_spread(mip_levels(image.decode("RGB")))
-    is_srgb = encoding == "srgb"
+    is_srgb = encoding_of(meaning) == "srgb"
     pixels = _pixels(image, channels, is_srgb)
+    if isinstance(meaning, SheenMap):
+        return meaning.levels(pixels)
     levels = mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers="C" in channels)
     return without_hidden(levels) if channels == "RGBC" else levels
 

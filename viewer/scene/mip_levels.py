@@ -9,6 +9,7 @@ import numpy as np
 from .color import linear_to_srgb, srgb_to_linear
 
 _BAND = 64  # rows per step, so that intermediate arrays stay in the processor's cache
+_BAND_TEXELS = 1 << 17  # and texels
 _FULL = 16383  # linear light 1 as an integer; the sum of four such values fits in 16 bits
 
 
@@ -48,8 +49,8 @@ def without_hidden(levels: list[np.ndarray]) -> list[np.ndarray]:
 
 
 def _half(pixels: np.ndarray, srgb: bool) -> np.ndarray:
-    height, width, components = pixels.shape
-    if pixels.dtype == np.uint8 and height % 2 == width % 2 == 0:
+    components = pixels.shape[2]
+    if pixels.dtype == np.uint8 and has_even_sides(pixels):
         return _half_of_even(pixels, srgb)
     if srgb and components == 4:
         return np.concatenate([_half(pixels[..., :3], True), _half(pixels[..., 3:], False)], axis=2)
@@ -80,6 +81,18 @@ def _half_of_covered(pixels: np.ndarray, srgb: bool) -> np.ndarray:
 def means_of_four(values: np.ndarray) -> np.ndarray:
     """(H, W, C) floats at half the width and height, rounded down."""
     return _means_of_columns(_means_of_columns(values).swapaxes(0, 1)).swapaxes(0, 1)
+
+
+def even_bands(level: np.ndarray) -> list[slice]:
+    """All rows, an even number at a time; those of odd sides, whose texels are not means of four, all at once."""
+    height, width = level.shape[:2]
+    step = max(_BAND_TEXELS // width // 2 * 2, 2) if has_even_sides(level) else height
+    return [slice(top, min(top + step, height)) for top in range(0, height, step)]
+
+
+def has_even_sides(level: np.ndarray) -> bool:
+    """Whether each texel of the next level is the mean of four."""
+    return level.shape[0] % 2 == level.shape[1] % 2 == 0
 
 
 def _half_of_even(pixels: np.ndarray, srgb: bool) -> np.ndarray:

@@ -15,9 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from .mip_levels import means_of_four
+from .mip_levels import even_bands, has_even_sides, means_of_four
 
-_BAND = 1 << 17  # texels per step, so that intermediate arrays stay in the processor's cache
 _GROOVED_LEVEL = 3  # of the levels, that which tells whether a map is full of grooves
 _FEW_TEXELS = 16  # a level with fewer tells nothing
 
@@ -33,14 +32,14 @@ def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
     """
     full = np.iinfo(levels[0].dtype).max
     with_alpha = [np.empty((*level.shape[:2], 4), level.dtype) for level in levels]
-    for rows in _bands(levels[0]):
+    for rows in even_bands(levels[0]):
         _join(with_alpha[0][rows], levels[0][rows], full)
     before: np.ndarray | None = None
     covariances: list[np.ndarray] = []
     rounded = np.float32(1 / full**2)  # the quarter, of steps of 2 / full
     for (larger, smaller), out in zip(pairwise(levels), with_alpha[1:], strict=True):
         covariance = np.empty((3, *smaller.shape[:2]), np.float32)
-        for rows in _bands(larger):
+        for rows in even_bands(larger):
             half = slice(rows.start // 2, max(rows.stop // 2, 1))
             here = covariance[:, half]
             _among(larger[rows], np.float32(4 / full**2), here)
@@ -82,20 +81,9 @@ def _root(covariance: np.ndarray, full: int) -> np.ndarray:
     return np.clip(np.rint(codes), 0, full)
 
 
-def _bands(level: np.ndarray) -> list[slice]:
-    """All rows, an even number at a time; those of odd sides, whose texels are not means of four, all at once."""
-    height, width = level.shape[:2]
-    step = max(_BAND // width // 2 * 2, 2) if _is_even(level) else height
-    return [slice(top, min(top + step, height)) for top in range(0, height, step)]
-
-
-def _is_even(level: np.ndarray) -> bool:
-    return level.shape[0] % 2 == level.shape[1] % 2 == 0
-
-
 def _among(level: np.ndarray, scale: np.float32, out: np.ndarray) -> None:
     """The covariances xx, yy and xy of the texels that each texel of the next level stands for, times `scale`."""
-    if _is_even(level):
+    if has_even_sides(level):
         _among_four(level, out)
         out *= scale / 16
         return
