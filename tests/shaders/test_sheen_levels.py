@@ -64,8 +64,8 @@ def reflected(fibres, base, cosine):
 
 @pytest.mark.parametrize("level", [1, 4])
 def test_levels_reflect_what_their_texels_do(woven, level):
-    """Red and blue of the sheen within 7 %. What the base reflects has one weight for all views, and is wrong by half as
-    much as that of plain means, which reflect 5 to 61 % of the sheen's red."""
+    """Red and blue of the sheen within 7 %. The base has one weight for all views, and is wrong by at most half as much
+    as with plain means, which reflect 5 to 61 % of the sheen's red."""
     fibres = np.concatenate([levels_of(woven, "sheen_color", "RGB")[level][0, 0],
                              levels_of(woven, "sheen_roughness", "RGBA")[level][0, 0, 3:]])
     base = levels_of(woven, "base_color", "RGB")[level][0, 0]

@@ -57,7 +57,7 @@ def _half(pixels: np.ndarray, srgb: bool) -> np.ndarray:
     light = _tables()[0].take(pixels).astype(np.float32) / _FULL if srgb else pixels.astype(np.float32)
     means = means_of_four(light)
     if srgb:
-        return _tables()[1].take((means * (4 * _FULL) + 0.5).astype(np.uint16))
+        return srgb_codes(means)
     return (np.rint(means) if pixels.dtype.kind == "u" else means).astype(pixels.dtype)
 
 
@@ -76,6 +76,11 @@ def _half_of_covered(pixels: np.ndarray, srgb: bool) -> np.ndarray:
         else:
             half[is_seen, channel] = np.rint(shown) if pixels.dtype.kind == "u" else shown
     return half
+
+
+def srgb_codes(light: np.ndarray) -> np.ndarray:
+    """The uint8 codes of linear light in [0, 1], of any shape."""
+    return _tables()[1].take((light * (4 * _FULL) + 0.5).astype(np.uint16))
 
 
 def means_of_four(values: np.ndarray) -> np.ndarray:

@@ -22,9 +22,9 @@ from typing import Literal, cast
 
 import numpy as np
 
-from .color import linear_to_srgb, srgb_to_linear
+from .color import srgb_to_linear
 from .material import RGB, SHEEN, Material
-from .mip_levels import even_bands, means_of_four, mip_levels
+from .mip_levels import even_bands, means_of_four, mip_levels, srgb_codes
 from .parameter import Encoding
 from .schema import MAPS
 from .texture_image import TextureImage
@@ -63,8 +63,9 @@ class SheenMap:
         levels = mip_levels(pixels, is_coded)
         first = 0 if self.name != "sheen_roughness" else 3 if pixels.shape[2] == 4 else 1
         for level, values in zip(levels[1:], self._values(pixels)):
-            values = linear_to_srgb(values) if is_coded else values
-            if level.dtype.kind == "u":
+            if is_coded:
+                values = srgb_codes(np.minimum(values, 1))
+            elif level.dtype.kind == "u":
                 values = np.rint(np.minimum(values, 1) * np.iinfo(level.dtype).max)
             level[..., first:first + values.shape[2]] = values
         return levels
