@@ -18,7 +18,6 @@ void main() {
         seen += vec2(bits >> k & 1u) * (1.0 - over.a);
     }
     sum += seen.x > 0.0 ? seen.x * first : vec4(0.0); // nothing was stored there
-    // A loop and not an if, see choose.frag
-    for (bool is_seen = seen.y > 0.0; is_seen; is_seen = false) sum += seen.y * texelFetch(u_second, pixel, 0);
+    sum += seen.y > 0.0 ? seen.y * texelFetch(u_second, pixel, 0) : vec4(0.0);
     o_color = sum / float(SAMPLES);
 }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
-from viewer.raster.deferred import _planes, pixel_box
+from viewer.raster.deferred import _around, _planes, pixel_box
 from viewer.scene.camera import Camera
 from viewer.scene.frame import Frame
 from viewer.scene.light import Light
@@ -50,13 +50,13 @@ def test_it_is_the_picture_of_multisampling(renderer, settings):
 
 
 def test_only_what_may_be_is_deferred(renderer):
-    glass = replace(ROUGH, transmission=1.0)
+    glass = replace(ROUGH, transmission=1.0, thickness=0.2)
     cut, blended = replace(ROUGH, alpha_mode="mask"), replace(ROUGH, alpha_mode="blend", base_color=(1, 1, 1, 0.5))
     model = scene(*((sphere(k, 16), moved((k - 1.5, 0, 0), 0.6)) for k in range(4)),
                   materials=(SMOOTH, glass, cut, blended), environment=constant())
     deferred = drawn(renderer, model, CAMERA, "deferred-4")
     assert [draw.is_deferred for draw in renderer.plan.draws] == [True, False, False, False]
-    assert not renderer.plan.is_over_layers
+    assert not renderer.plan.is_over_layers  # a solid takes its picture before the background
     multisampled = drawn(renderer, model, CAMERA, "msaa-4")
     assert not renderer.plan.has_deferred
     np.testing.assert_allclose(deferred, multisampled, atol=0.02)
@@ -76,11 +76,14 @@ def test_where_buffers_of_texels_are_small_it_multisamples(renderer, monkeypatch
 
 @pytest.mark.parametrize("background", ["env", "none"])
 def test_what_is_drawn_over_them(renderer, background):
-    """Behind surfaces that blend or are cut, background and deferred surfaces are mixed at one sample a pixel."""
+    """Behind surfaces that blend, are cut or transmit light, background and deferred surfaces are mixed at one sample a
+    pixel."""
     cut = replace(ROUGH, alpha_mode="mask", base_color=(0.9, 0.1, 0.1, 1))
     blended = replace(ROUGH, alpha_mode="blend", base_color=(0.1, 0.9, 0.1, 0.4))
+    pane = replace(ROUGH, transmission=0.9)
     model = scene((sphere(0, 16), moved((0.2, 0, -0.8))), (sphere(1, 16), moved((0.5, 0.3, 0.6), 0.4)),
-                  (sphere(2, 16), moved((-0.6, 0, 0.5), 0.7)), materials=(SMOOTH, cut, blended), environment=lopsided())
+                  (sphere(2, 16), moved((-0.6, 0, 0.5), 0.7)), (plate(3, 0.4), moved((0.1, -0.5, 1.2))),
+                  materials=(SMOOTH, cut, blended, pane), environment=lopsided())
     for part in (None, (3, 5, 21, 17)):  # of another picture's target, too
         pictures = []
         for antialias in ("msaa-4", "none", "deferred-4"):
@@ -174,6 +177,16 @@ def test_two_objects_of_one_plane_are_two_surfaces(renderer):
                               for antialias in ("deferred-4", "msaa-4"))
     assert ((multisampled[..., 0] > 0.2) & (multisampled[..., 0] < 0.7)).any()
     np.testing.assert_allclose(deferred, multisampled, atol=2e-3)
+
+
+@pytest.mark.parametrize("hole", [(3, 4, 5, 2), (2, 3, 8, 6), (2, 5, 3, 4), (0, 0, 0, 0)], ids=str)
+def test_around_a_hole(hole):
+    covered = np.zeros((12, 14), int)
+    for x, y, width, height in (*_around(hole, (2, 3, 8, 6)), hole):
+        covered[y:y + height, x:x + width] += 1
+    right = np.zeros_like(covered)
+    right[3:9, 2:10] = 1
+    assert np.array_equal(covered, right)
 
 
 def test_planes_and_boxes():

@@ -205,9 +205,10 @@ class Plan:
     @property
     def is_over_layers(self) -> bool:
         """Whether the background can be drawn once a pixel, too, behind all surfaces that are not deferred. So it is
-        where no surface looks at the picture behind it, and all that is drawn is within the boxes of meshes."""
+        where no solid looks at the picture behind it without a background, and all that is drawn is within the boxes of
+        meshes."""
         others = (self.curves, self.ground, None if self.background else self.media)
-        are_known = not any(draw.transmits or draw.program.get("IS_POINTS") for draw in self.kinds)
+        are_known = not any(draw.transmits == SOLID or draw.program.get("IS_POINTS") for draw in self.kinds)
         return (self.has_deferred and are_known and others == (None, None, None)
                 and not (self.wireframe or self.grid or self.counts))
 

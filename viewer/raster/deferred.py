@@ -159,6 +159,7 @@ class Layers:
         self._mixed = gl.framebuffer([target.radiance], self._depths[1])
         for framebuffer in (*self.shaded, self._mixed):
             framebuffer.depth_mask = False
+        self._copied: moderngl.Framebuffer | None = None
         self.box = 0, 0, 0, 0
         """The rectangle of pixels (x, y, width, height) outside of which there is no object."""
         self.over = 0, 0, 0, 0
@@ -199,19 +200,39 @@ class Layers:
             program = programs.get(FULLSCREEN, "raster/resolve_deferred.frag", {"SAMPLES": self.samples})
             self._resolve(program, unit, self._target.resolved, self._target.part)
             return
-        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        with self._depth.test():
+            self._mix(programs, unit, self._mixed)
+
+    def so_far(self, programs: Programs, unit: int) -> moderngl.Texture:
+        """As `Behind.so_far`, within `Depth.test()`."""
+        if not self._in_place:
+            self.resolve(programs, unit)
+            return self._target.radiance
+        if self._copied is None:
+            target = self._target
+            copy = nearest_texture(self._gl, target.drawn_size, "f2" if target.half else "f4")
+            self._copied = self._gl.framebuffer([copy], self._depths[1])
+            self._copied.depth_mask = False
+        self._gl.enable_only(moderngl.NOTHING)
+        self._resolve(programs.get(FULLSCREEN, "raster/backdrop.frag", {"LEVEL": 0}), unit, self._copied,
+                      self._target.part)
+        self._mix(programs, unit, self._copied)
+        return self._copied.color_attachments[0]
+
+    def _mix(self, programs: Programs, unit: int, framebuffer: moderngl.Framebuffer) -> None:
+        """Add the second surfaces, and what was drawn over both, to the first ones, which `framebuffer` has, within
+        `Depth.test()`."""
         self._gl.blend_func = moderngl.ONE, _SRC1_COLOR
         second = "raster/resolve_second.frag"
-        with self._depth.test():
-            if self.over[2]:  # all pixels there, which are then marked as resolved
-                self._mixed.depth_mask = True
-                with self._depth.except_at(_NOTHING), self._depth.all():
-                    self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 1}), unit,
-                                  self._mixed, self.over)
-                self._mixed.depth_mask = False
-            with self._depth.except_at(_NOTHING):
-                self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 0}), unit,
-                              self._mixed, self.box)
+        if self.over[2]:
+            self._gl.enable_only(moderngl.BLEND)
+            self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 1}), unit, framebuffer,
+                          self.over)
+        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        with self._depth.except_at(_NOTHING):
+            for part in _around(self.over, self.box):
+                self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 0}), unit, framebuffer,
+                              part)
         # OpenGL draws nothing into several textures while a second source is set, and Mesa not even unblended.
         self._gl.blend_func = moderngl.ONE, moderngl.ZERO
 
@@ -220,17 +241,19 @@ class Layers:
         framebuffer.scissor = box
         framebuffer.use()
         set_uniform(program, "u_samples", unit)
-        textures = {"u_chosen": self.choosing, "u_second": self.shaded[1], "u_first": self.shaded[0]}
-        for place, (name, source) in enumerate(textures.items()):
-            if name in program:
-                source.color_attachments[0].use(place)
-                set_uniform(program, name, place)
+        textures = {"u_chosen": self.choosing, "u_second": self.shaded[1], "u_first": self.shaded[0],
+                    "u_source": self.shaded[0]}
+        for place, name in enumerate(name for name in textures if name in program):
+            textures[name].color_attachments[0].use(place)
+            set_uniform(program, name, place)
         fullscreen(self._gl, program).render(vertices=3)
 
     def release(self) -> None:
         self._gl.screen.use()
+        copied = [] if self._copied is None else [self._copied, *self._copied.color_attachments]
         colors = [*self.numbers.color_attachments, *self.choosing.color_attachments, *self._radiance]
-        for thing in (self.numbers, self.choosing, self.second, *self.shaded, self._mixed, *colors, *self._depths):
+        for thing in (self.numbers, self.choosing, self.second, *self.shaded, self._mixed, *copied, *colors,
+                      *self._depths):
             thing.release()
 
 
@@ -299,3 +322,14 @@ def _union(boxes: Sequence[tuple[int, int, int, int]]) -> tuple[int, int, int, i
         return 0, 0, 0, 0
     (left, bottom), (right, top) = corners[:, :2].min(axis=0).tolist(), corners[:, 2:].max(axis=0).tolist()
     return left, bottom, right - left, top - bottom
+
+
+def _around(hole: tuple[int, int, int, int], box: tuple[int, int, int, int]) -> list[tuple[int, int, int, int]]:
+    """The rectangles that are left of `box` without `hole`, which lies in it or is empty."""
+    x, y, width, height = box
+    if not hole[2]:
+        return [box]
+    left, bottom, right, top = hole[0], hole[1], hole[0] + hole[2], hole[1] + hole[3]
+    parts = ((x, y, width, bottom - y), (x, top, width, y + height - top),
+             (x, bottom, left - x, top - bottom), (right, bottom, x + width - right, top - bottom))
+    return [part for part in parts if part[2] and part[3]]

@@ -240,9 +240,9 @@ class Passes:
     def _take_backdrop(self, target: Target) -> dict[str, object]:
         """Copy the picture so far, for transmissive surfaces. Leaves the target's framebuffer in use."""
         self._gl.clear_samplers()
-        target.resolve(self._programs, UNIT_RADIANCE)
+        picture = target.so_far(self._programs, UNIT_RADIANCE)
         backdrop = self._backdrop.get(lambda held: held.fits(target), lambda: Backdrop(self._context, target))
-        uniforms = backdrop.take(self._programs, target.radiance, UNIT_RADIANCE)
+        uniforms = backdrop.take(self._programs, picture, UNIT_RADIANCE)
         target.framebuffer.use()
         return uniforms
 

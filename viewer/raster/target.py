@@ -18,6 +18,9 @@ class Behind(Protocol):
     def resolve(self, programs: Programs, unit: int) -> None:
         """As `Target.resolve`, with the samples' texture in `unit`."""
 
+    def so_far(self, programs: Programs, unit: int) -> moderngl.Texture:
+        """As `Target.so_far`, likewise."""
+
 
 class Target:
     """Colour (RGBA half or single floats, associated alpha) with depth, at `size` and `samples`.
@@ -88,6 +91,14 @@ class Target:
         self._gl.enable_only(moderngl.NOTHING)
         set_uniform(program, "u_samples", unit)
         fullscreen(self._gl, program).render(vertices=3)
+
+    def so_far(self, programs: Programs, unit: int) -> moderngl.Texture:
+        """What has been drawn of a frame that goes on, averaged as by `resolve`."""
+        if self.behind is not None and self._color is not None:
+            self._color.use(unit)
+            return self.behind.so_far(programs, unit)
+        self.resolve(programs, unit)
+        return self.radiance
 
     def read(self) -> bytes:
         """The resolved radiance, rows from the bottom up, RGBA in the target's precision."""
