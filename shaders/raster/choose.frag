@@ -33,18 +33,20 @@ void main() {
         same |= triangles[k] != 0u && triangles[k] == first ? 1u << k : 0u;
     }
     gl_FragDepth = covered != 0u ? object_depth(first) : FAR;
-    // A loop and not an if: llvmpipe skips what no pixel at hand needs only in loops.
-    for (bool is_mixed = same != covered; is_mixed; is_mixed = false) {
-        vec3 d = u_ray * vec3(v_ndc, 1.0), o = u_ray_origin * vec3(v_ndc, 1.0) + u_eye;
-        vec4 plane = plane_of(first);
-        for (int k = 1; k < SAMPLES; ++k) {
-            bool is_other = (covered & ~same & 1u << k) != 0u;
-            bool is_alike = is_other && triangles[k] >> TRIANGLE_BITS == first >> TRIANGLE_BITS
-                && are_alike(plane, plane_of(triangles[k]), o, d);
-            same |= is_alike ? 1u << k : 0u;
-            second = is_other && !is_alike && second == 0u ? triangles[k] : second;
-        }
-    }
+    vec3 d = u_ray * vec3(v_ndc, 1.0), o = u_ray_origin * vec3(v_ndc, 1.0) + u_eye;
+    vec4 plane = plane_of(first);
+    uint others = covered & ~same;
+    // Each turn is for one of the other triangles. llvmpipe takes the first turn of a loop in all pixels, and with its
+    // condition at the top one turn more than any of them needs.
+    do {
+        uint other = 0u, shown = 0u;
+        for (int k = SAMPLES - 1; k >= 0; --k) other = (others & 1u << k) != 0u ? triangles[k] : other;
+        for (int k = 0; k < SAMPLES; ++k) shown |= triangles[k] == other ? 1u << k : 0u;
+        bool is_alike = other >> TRIANGLE_BITS == first >> TRIANGLE_BITS && are_alike(plane, plane_of(other), o, d);
+        same |= is_alike ? others & shown : 0u;
+        second = is_alike || second != 0u ? second : other;
+        others &= ~shown;
+    } while (others != 0u);
 #if BACKGROUND
     covered = all;
 #endif
