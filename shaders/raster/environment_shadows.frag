@@ -94,9 +94,14 @@ void main() {
     float h = angles.y / max(angles.x, 1e-30);
     float f = max(h, angles.w / max(angles.y, 1e-30)) * n_lights / (n_lights + 1.0);
     vec3 twice = f * u_reflectance * u_reflectance;
-    o_shadowed += (1.0 - f) * reflected + vec4(u_emission * angles.y, luminance(u_emission) * angles.z);
+    vec4 emitted = vec4(u_emission * angles.y, luminance(u_emission) * angles.z);
+    o_shadowed += (1.0 - f) * reflected + emitted;
     o_shadowed.rgb /= 1.0 - twice * h;
     o_shadowed.a += luminance(twice * o_shadowed.rgb) * angles.z / max(angles.x, 1e-30);
-    o_shadowed = min(o_shadowed, 1e4 * o_unshadowed); // half floats hold the ratio
+    // Reflected light may make a surface brighter than the bare sky does: one that faces a dark part of it, before a
+    // body that faces a bright one. Where that body hides only few of the lights, it would show their outlines, since
+    // each light stands for a wide part of a dark sky. So light rises with the square of h at first.
+    vec4 most = o_unshadowed / max(1.0 - h * h, 1e-4) + emitted;
+    o_shadowed = min(o_shadowed, min(most, 1e4 * o_unshadowed)); // half floats hold the ratio
 #endif
 }

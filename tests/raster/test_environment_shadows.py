@@ -14,6 +14,7 @@ from viewer.plan.planner import plan_scene
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.scene.curves import Curves
+from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
@@ -244,6 +245,22 @@ def test_what_lies_close_above_a_floor_is_dark_beneath(radiance):
     below = Camera.look_at((0, 0.015, 0), (0, 0, 1e-4))
     found = radiance(model, below, (8, 8), environment_shadows="64", indirect="estimated")[..., 0]
     assert found.max() < 0.2  # 0.8 * 0.8 by the whole half of the sky
+
+
+def test_a_body_throws_no_bright_shadow_into_a_dark_sky(radiance):
+    """A white post on a floor that faces the dark half of the sky. Where it hides few of the lights, the floor beside
+    it is not brighter than by the square of their share, which no edge shows, though the other half is bright."""
+    radiances = np.full((32, 64, 3), 0.05, np.float32)
+    radiances[16:] = 1.0
+    floor = (plate(0, half=2.0), facing_floor())
+    bare, post = (scene(*meshes, materials=[replace(WHITE, double_sided=True)],
+                        environment=Environment("dark above", radiances))
+                  for meshes in ([floor], [floor, (plate(0), moved((0, 0.5, 0), (0.1, 0.5, 1.0)))]))
+    alone = radiance(bare, VIEW, SIZE, environment_shadows="64", indirect="estimated")[..., 0]
+    hidden, found = (radiance(post, VIEW, SIZE, environment_shadows="64", indirect=indirect)[..., 0]
+                     for indirect in ("off", "estimated"))
+    beside = (hidden < 0.99 * alone) & (hidden > 0.75 * alone)
+    assert beside.sum() > 100 and (found / alone)[beside].max() < 1.07
 
 
 def test_what_hides_the_sky_shines_as_the_mean_surface(radiance):
