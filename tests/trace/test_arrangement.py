@@ -31,10 +31,11 @@ def test_each_path_keeps_its_home(context, seed):
     rng = np.random.default_rng(seed)
     arrangement = Arrangement(context.gl, GRID, finds_places=False)
     width = GRID[0] * TILE
+    block_of = np.empty(COUNT, int)
+    block_of[arrangement.homes_of] = np.arange(GRID[0] * GRID[1])[:, None]
     path = np.full(COUNT, -1)  # the home of the path in each texel, -1: idle
     for _ in range(30):
-        is_alive = path[:arrangement.rows * width] >= 0
-        blocks = np.flatnonzero(~arrangement.alive(is_alive))[:arrangement.room][:rng.integers(0, 4)]
+        blocks = np.flatnonzero(~arrangement.alive)[:arrangement.room][:rng.integers(0, 4)]
         if len(blocks):
             row, rows = arrangement.begin(blocks)
             begun = arrangement.homes(row, rows)
@@ -45,7 +46,8 @@ def test_each_path_keeps_its_home(context, seed):
         assert (shown[alive] == arrangement.homes(0, arrangement.rows)[alive]).all()
         classes = np.where(alive, rng.integers(0, NO_KIND + 1, len(shown)), CLASS_OF_IDLE).astype(np.uint8)
         order = np.argsort(classes, kind="stable")
-        arrangement.sort(classes)
+        blocks_alive = np.unique(block_of[shown[alive]])
+        arrangement.sort(classes, order)
         ended, row = classes[order] == NO_KIND, np.arange(len(order)) // width
         first, rows = arrangement.ended_rows
         assert ((row[ended] >= first) & (row[ended] < first + rows)).all()
@@ -53,6 +55,8 @@ def test_each_path_keeps_its_home(context, seed):
         path[:len(shown)] = shown[order]
         path[:len(shown)][ended & (rng.random(len(order)) < 0.6)] = -1  # those that have no sample left
         arrangement.advance()
+        arrangement.find_alive()
+        assert (np.flatnonzero(arrangement.alive) == blocks_alive).all()
         assert (path[arrangement.rows * width:] == -1).all()
         assert (np.sort(arrangement.homes(0, GRID[1] * TILE)) == np.arange(COUNT)).all()
     arrangement.release()

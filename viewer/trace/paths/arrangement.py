@@ -46,6 +46,8 @@ class Arrangement:
         self._next: NDArray[np.intp] = numbers[:0]
         self._used = self.rows = self.next_rows = 0
         self._is_shown = False
+        self.alive = np.zeros(len(self.homes_of), bool)
+        """Which blocks had paths that were not idle when they were sorted last, (blocks,)."""
         self.ended_rows = 0, 0
         """The first row, and the number of rows, of the next state that have all paths which have ended."""
 
@@ -53,14 +55,14 @@ class Arrangement:
         """The homes of the paths in so many rows of the present state."""
         return self._home[row * self._size[0]:(row + rows) * self._size[0]]
 
-    def sort(self, classes: NDArray[np.uint8]) -> None:
-        """Let the next state have the present paths of the first rows, one for each of `classes`
-        (`viewer.trace.rays.intersect.Answer`), in the order of their classes."""
+    def sort(self, classes: NDArray[np.uint8], order: NDArray[np.intp]) -> None:
+        """Let the next state have the present paths of the first rows, one for each of `classes`, in their `order`
+        (`viewer.trace.rays.intersect.Answer`)."""
         counts = np.bincount(classes, minlength=CLASS_OF_IDLE + 1)
-        order = np.argsort(classes, kind="stable")
         self._write("u_source", self._texels[order])
         self._next = self._home[order]
-        self.next_rows = self._row_after(len(order) - int(counts[CLASS_OF_IDLE]))
+        self._used = len(order) - int(counts[CLASS_OF_IDLE])
+        self.next_rows = self._row_after(self._used)
         first, last = np.cumsum(counts)[[NO_KIND - 1, NO_KIND]].tolist()
         row = first // self._size[0]
         self.ended_rows = row, self._row_after(last) - row if last > first else 0
@@ -89,17 +91,14 @@ class Arrangement:
         if len(texels):
             self._textures[name].write(texels, viewport=(0, 0, self._size[0], len(texels) // self._size[0]))
 
-    def alive(self, is_alive: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which blocks have paths that are not idle, (blocks,), for all paths of `rows`."""
-        (texels,) = np.nonzero(is_alive)
-        self._used = int(texels[-1]) + 1 if len(texels) else 0
-        found = np.zeros(len(self.homes_of), bool)
-        found[self._block[self._home[texels]]] = True
-        return found
+    def find_alive(self) -> None:
+        """Set `alive`. To be called after `advance`."""
+        self.alive[:] = False
+        self.alive[self._block[self._home[:self._used]]] = True
 
     @property
     def room(self) -> int:
-        """How many blocks whose paths are idle can begin behind those that were `alive`."""
+        """How many blocks whose paths are idle can begin behind those that were not when they were sorted."""
         return (len(self._home) - self._row_after(self._used) * self._size[0]) // TILE**2
 
     def _row_after(self, texels: int) -> int:

@@ -13,8 +13,8 @@ from .arrangement import Arrangement
 
 class Gathered:
     """The pass `finish` draws into `finished` what each path that has ended adds to the sums of its home, where it
-    goes in the next state, and 0 where none has ended. `take` adds that up in memory, and `textures` has the sums of
-    blocks that were `show`n."""
+    goes in the next state, and 0 where none has ended. `read` takes that, `add` adds it up in memory, and `textures`
+    has the sums of blocks that were `show`n."""
 
     def __init__(self, gl: moderngl.Context, arrangement: Arrangement, size: tuple[int, int],
                  count: int, depth: moderngl.Renderbuffer) -> None:
@@ -25,28 +25,36 @@ class Gathered:
         self.finished.depth_mask = False
         self._sums = np.zeros((count, size[0] * size[1], 4), np.float32)
         self._rows = 0, 0
+        self._read: tuple[NDArray[np.intp], NDArray[np.float32]] | None = None
 
     def begin(self) -> None:
-        """Clear `finished`, where the next state has paths that have ended. What was drawn before has been taken."""
+        """Clear `finished`, where the next state has paths that have ended. What was drawn before has been read."""
         assert not self._rows[1]
         row, rows = self._rows = self._arrangement.ended_rows
         if rows:
             self.finished.clear(viewport=(0, row, self._size[0], rows))
 
-    def take(self) -> None:
-        """Add up what was drawn last. Waits for the device."""
+    def read(self) -> None:
+        """Read what was drawn last. Waits for the device."""
         row, rows = self._rows
         if not rows:
             return
-        homes = self._arrangement.homes(row, rows)
-        texels = np.empty((len(homes), 4), np.float32)
+        homes = self._arrangement.homes(row, rows).copy()  # they change with the next state
+        drawn = np.empty((len(self._sums), len(homes), 4), np.float32)
         area = 0, row, self._size[0], rows
-        for k, sums in enumerate(self._sums):
+        for k, texels in enumerate(drawn):
             self.finished.read_into(texels, viewport=area, components=4, attachment=k, dtype="f4")
-            added = sums.take(homes, axis=0)
-            added += texels
-            put_texels(sums, homes, added)
-        self._rows = 0, 0
+        self._read, self._rows = (homes, drawn), (0, 0)
+
+    def add(self) -> None:
+        """Add what was read to the sums."""
+        if self._read is None:
+            return
+        homes, drawn = self._read
+        for sums, texels in zip(self._sums, drawn, strict=True):
+            texels += sums.take(homes, axis=0)
+            put_texels(sums, homes, texels)
+        self._read = None
 
     def show(self, blocks: NDArray[np.intp]) -> None:
         """Write the sums to `textures`, and begin anew for these blocks."""

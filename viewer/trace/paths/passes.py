@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
@@ -21,9 +20,9 @@ from ..layout import (
     CLASS_IDLE,
     CLASS_MEDIUM,
     CLASS_SHADE,
-    IDLE,
 )
 from ..plan import TracePlan
+from ..rays.intersect import Answer
 from .sky import Sky
 from .wavefront import UNITS, Wavefront
 
@@ -94,8 +93,8 @@ class Passes:
             wavefront.present.use()
             self._draw("begin")
 
-    def shade(self, wavefront: Wavefront, classes: NDArray[np.uint8] | None = None) -> None:
-        """Compute the next state of the wavefront from its hits; a sorted one needs `classes` (`Answer.classes`).
+    def shade(self, wavefront: Wavefront, answer: Answer) -> None:
+        """Compute the next state of the wavefront from its hits.
 
         No pass reads what another pass has drawn, except the depth, so that a driver need not wait between them.
         """
@@ -109,8 +108,8 @@ class Passes:
             gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
             for name in self._layers:
                 self._draw(name)
-        if wavefront.arrangement is not None and classes is not None:
-            wavefront.sort(classes)
+        if wavefront.arrangement is not None:
+            wavefront.sort(answer)
         self._classify(wavefront, "classify")
         finished = wavefront.sums.framebuffer if wavefront.gathered is None else wavefront.gathered.finished
         finished.use()
@@ -141,9 +140,10 @@ class Passes:
         wavefront.swap()
 
     def find_alive(self, wavefront: Wavefront) -> np.ndarray:
-        """Whether any path of a block is not idle, (blocks,) bool. Waits for the device."""
+        """Whether any path of a block is not idle, or of a sorted wavefront was not when they were sorted last,
+        (blocks,) bool. Waits for the device."""
         if wavefront.arrangement is not None:
-            return wavefront.arrangement.alive(wavefront.read_status() != IDLE)
+            return wavefront.arrangement.alive
         wavefront.bind()
         wavefront.alive.use()
         self._gl.enable_only(moderngl.NOTHING)

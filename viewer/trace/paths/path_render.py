@@ -174,18 +174,19 @@ class PathRender:
             second.finish = None
             self.rays += answer.rays or 0
             self._intersector.store(second.wavefront, answer)
-            self._passes.shade(second.wavefront, answer.classes)
+            self._passes.shade(second.wavefront, answer)
             second.iterations += 1
             self._flush()
         if rays is not None:
             first.finish = self._intersector.begin(rays)
+        second.wavefront.settle()
         self._wavefronts = [second, first]
 
     def _refill(self, wavefront: Wavefront) -> None:
         """Add blocks that are done to the film, and give new work to blocks that have none."""
         if wavefront.is_busy.any():
             if wavefront.gathered is not None:
-                wavefront.gathered.take()
+                wavefront.gathered.read()
             done = np.flatnonzero(wavefront.is_busy & ~self._passes.find_alive(wavefront))
             self._collect(wavefront, done)
         if self._schedule.done:

@@ -13,6 +13,7 @@ from ...gpu.context import Context
 from ...gpu.float_depth import float_depth_renderbuffer
 from ...gpu.float_target import float_target
 from ..layout import TILE
+from ..rays.intersect import Answer
 from .arrangement import UNITS as ARRANGED
 from .arrangement import Arrangement
 from .gathered import Gathered
@@ -136,11 +137,11 @@ class Wavefront:
         """The framebuffer of only the origins of the next state, which hold the status."""
         return self._origins[1 - self._present]
 
-    def sort(self, classes: NDArray[np.uint8]) -> None:
-        """Arrange the next state by classes (`viewer.trace.rays.intersect.Answer`), and draw of it only the rows whose
-        paths are not idle."""
+    def sort(self, answer: Answer) -> None:
+        """Arrange the next state by the classes of the paths, and draw of it only the rows whose paths are not
+        idle."""
         assert self.arrangement is not None and self.gathered is not None
-        self.arrangement.sort(classes)
+        self.arrangement.sort(answer.classes, answer.order)
         self.gathered.begin()
         area = 0, 0, self.size[0], self.arrangement.next_rows
         for target in (self.classes, self.next, self.next_origin, self.gathered.finished):
@@ -170,11 +171,12 @@ class Wavefront:
             self.present.read_into(texels, viewport=(0, 0, self.size[0], self.rows), components=4,
                                    attachment=STATE.index(name), dtype="f4")
 
-    def read_status(self) -> NDArray[np.float32]:
-        """The status of the paths in these rows. Waits for the device."""
-        texels = np.empty((self.rows * self.size[0], 4), np.float32)
-        self.read("origin", texels)
-        return np.floor(texels[:, 3])
+    def settle(self) -> None:
+        """Find in memory which blocks are done, and what they have brought, while the threads shade and trace."""
+        if self.gathered is not None:
+            self.gathered.add()
+        if self.arrangement is not None:
+            self.arrangement.find_alive()
 
     def assign(self, blocks: np.ndarray, work: Sequence[Work]) -> None:
         """Give a work item to each of the blocks with these numbers."""

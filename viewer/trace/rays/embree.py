@@ -90,15 +90,16 @@ class EmbreeIntersector:
         """Embree lets Python's other threads run. But OpenGL, which see-through surfaces need, belongs to this thread,
         which then waits for the rays, and curves have tasks of their own."""
         if self._coverage is not None or self._curves is not None or rays.count <= TASK:
-            answer = self._trace(rays.part(0, rays.count))
+            answer = Answer.joined([self._trace(rays.part(0, rays.count))])
             self._spare.append(rays)
             return lambda: answer
-        parts = in_other_threads(self._trace, [rays.part(first, first + TASK) for first in range(0, rays.count, TASK)])
+        parts = [rays.part(first, first + TASK) for first in range(0, rays.count, TASK)]
+        joined = in_other_threads(self._trace, parts, Answer.joined)
 
         def finish() -> Answer:
-            answers = parts()
+            answer = joined()
             self._spare.append(rays)
-            return Answer.joined(answers)
+            return answer
 
         return finish
 
