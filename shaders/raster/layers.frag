@@ -50,12 +50,10 @@ vec3 seen_albedo(MaterialInputs m, vec3 n, vec3 n_coat, vec3 v) {
 #if !REFLECTS
     m.specular = 0.0;
 #endif
-    m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     Surface s = surface_of(m);
     vec3 emission = m.emissive;
 #if CLEARCOAT
-    float alpha = max(s.coat_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
-    emission *= make_coat(s.coat, alpha, n_coat, clamp(dot(n_coat, v), 1e-4, 1.0), u_dfg).throughput;
+    emission *= make_coat(s.coat, s.coat_alpha, n_coat, clamp(dot(n_coat, v), 1e-4, 1.0), u_dfg).throughput;
 #endif
     return surface_albedo(s, clamp(dot(n, v), 1e-4, 1.0), u_dfg) + emission;
 #endif

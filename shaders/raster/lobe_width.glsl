@@ -29,7 +29,7 @@ void widen_lobe(inout Surface s, vec3 n) {
 #if CLEARCOAT
 // alpha of the clear coat, whose normal is n
 float coat_alpha(Surface s, vec3 n) {
-    float alpha = max(s.coat_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
+    float alpha = s.coat_alpha;
 #if CLEARCOAT_NORMAL_MAP && HAS_TANGENT
     alpha = widened_alpha(alpha, clearcoat_normal_texel(), u_clearcoat_normal_scale);
 #endif

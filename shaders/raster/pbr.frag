@@ -58,7 +58,6 @@ void main() {
 #if HAS_TRANSMISSION && SUBSURFACE != 2
     float blur = transmitted_roughness(mean_roughness(m), m.ior);
 #endif
-    m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     Surface s = surface_of(m);
 #if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
     p.behind = m.thickness;
@@ -77,6 +76,9 @@ void main() {
     s.film_walls = m.transmission;
 #endif
     SurfaceView view = seen_surface(m.perceptual_roughness, s, p);
+#if LIGHT_COUNT > 0
+    widen_for_lights(s, view);
+#endif
 
     vec3 radiance = vec3(0.0);
 #if SHOW_EMISSION

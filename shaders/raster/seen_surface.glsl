@@ -30,3 +30,16 @@ SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Poin
 #endif
     return view;
 }
+
+#if LIGHT_COUNT > 0
+// The highlight of a light has a least width, which the environment's reflection does not need: its maps are as sharp
+// as they are.
+void widen_for_lights(inout Surface s, inout SurfaceView view) {
+    const float least = MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS;
+    s.alpha = max(s.alpha, least);
+    s.alpha_t = max(s.alpha_t, least);
+#if CLEARCOAT
+    view.coat.alpha = max(view.coat.alpha, least);
+#endif
+}
+#endif

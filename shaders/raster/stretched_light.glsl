@@ -17,7 +17,7 @@ mat2x3 stretched_light(Point p, Surface s, vec3 around) {
         vec3 facet = p.n + (a * q * inversesqrt(1.0 - q * q)) * p.frame[0];
         vec3 h = normalize(facet);
         vec3 l = reflect(-p.v, h) * p.frame;
-        float weight = max(dot(p.v, facet), 0.0) * max(l.z, 0.0) / (max(l.z, 0.0) + smith_t(l, alpha));
+        float weight = max(dot(p.v, facet), 0.0) * max(l.z, 0.0) / max(max(l.z, 0.0) + smith_t(l, alpha), 1e-6);
         sum += weight * environment_level(reflected_direction(p, h, narrow.x), narrow.y);
         weights += weight;
     }

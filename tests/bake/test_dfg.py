@@ -63,6 +63,12 @@ def test_the_mirror_column_is_schlick():
     assert sum(half[..., 2:] for half in pair) == pytest.approx(alone[..., 2:], abs=1e-6)
 
 
+def test_levels_grow_by_the_square_of_the_roughness_from_the_mirror_on():
+    """The table's columns 2 and 4 are below the first roughness that is fitted."""
+    levels = dfg_table().reshape(4, SIZE, SIZE, 4)[1:, 1:, :, 1]
+    assert levels[..., 2] == pytest.approx(levels[..., 4] / 4, rel=0.02)
+
+
 def test_almost_a_mirror_is_almost_a_mirror():
     NoV = np.array([0.1, 0.5, 1.0])
     near, mirror = directional_albedo("ggx", "smith", NoV, 1e-4), directional_albedo("ggx", "smith", NoV, 0.0)

@@ -16,6 +16,7 @@ from viewer.scene.scene import Scene
 
 SIZE = (32, 32)
 MIRROR = Material(perceptual_roughness=0.0)
+COAT = Material(base_color=(0.0, 0.0, 0.0, 1.0), metallic=0.0, specular=0.0, clearcoat=1.0, clearcoat_roughness=0.0)
 
 
 def lookup(environment: Environment, d: np.ndarray) -> np.ndarray:
@@ -63,8 +64,21 @@ def test_a_mirror_shows_what_lies_where_it_reflects(radiance, rotation):
     z = np.sqrt(np.maximum(1 - x**2 - y**2, 0))
     n = np.stack([x, y, z], axis=-1) @ camera.pose[:3, :3].T
     r = camera.forward - 2 * (n @ camera.forward)[..., None] * n
-    # The smoothest there is, perceptual roughness 0.045, blurs the map a little.
     assert np.abs(picture[..., :3] / lookup(environment, r) - 1)[inside].max() < 0.05
+
+
+@pytest.mark.parametrize("material", [MIRROR, COAT], ids=["metal", "coat"])
+def test_a_lamp_in_a_mirror_has_no_haze(radiance, material):
+    """A lamp 1e5 times as bright as the room leaves the room as it is beside it."""
+    lamp = np.array([0.3, 0.2, 1.0]) / np.linalg.norm([0.3, 0.2, 1.0])
+    is_lamp = texel_directions(256, 512) @ lamp > np.cos(np.radians(8))
+    room = Environment("room", np.where(is_lamp[..., None], 1e3, np.full(3, 0.01)).astype(np.float32))
+    camera = Camera.look_at((0, 0, 2), (0, 0, 0), fov_y=0.9)
+    picture = radiance(scene(plate(), materials=[material], environment=room), camera, SIZE, background="none")
+    cosine = rays(camera, SIZE) * [1, 1, -1] @ lamp  # the plate mirrors z
+    beside = (picture[..., 3] == 1) & (cosine < np.cos(np.radians(10)))
+    assert picture[cosine > np.cos(np.radians(6)), :3].min() > 10
+    assert beside.sum() > 500 and picture[beside, :3].max() < 0.0102
 
 
 def test_a_white_plate_sees_its_hemisphere(radiance):

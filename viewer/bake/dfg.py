@@ -17,7 +17,8 @@ from ..base.resources import resource_folder
 from ..settings import MASKINGS, NDFS
 from .cache import key, load, store
 from .lobe_samples import lobe_samples
-from .lookups import fit_lookups
+from .lookups import GRID, fit_lookups
+from .prefilter import level_of_roughness
 
 SIZE = 64  # the error of bilinear lookups is 6e-5 on average, and at most 2e-3 for NoV and roughness above 0.1
 MIN_COSINE = 1e-4  # NoV at which the row for 0 is evaluated: the limit exists, but 0 / 0 is undefined
@@ -66,7 +67,7 @@ def dfg_albedos(ndf: str, masking: str) -> np.ndarray:
 
 def compute_dfg_table(ndf: str, masking: str, size: int, nodes: int = 24) -> np.ndarray:
     """Computes the table of `dfg_table` with `nodes` quadrature nodes per side."""
-    lookups = np.concatenate([_resized(found, size) for found in fit_lookups(ndf, masking)], axis=2)
+    lookups = np.concatenate([_near_mirror(_resized(found, size)) for found in fit_lookups(ndf, masking)], axis=2)
     return np.concatenate([albedo_table(ndf, masking, size, nodes), *np.moveaxis(lookups, 2, 0)]).astype(np.float32)
 
 
@@ -90,6 +91,17 @@ def _resized(grid: np.ndarray, size: int) -> np.ndarray:
         part = np.expand_dims(place - low, tuple(range(1, grid.ndim))).swapaxes(0, axis)
         grid = (1 - part) * grid.take(low, axis) + part * grid.take(low + 1, axis)
     return grid
+
+
+def _near_mirror(lookups: np.ndarray) -> np.ndarray:
+    """The lookups, whose levels grow as `level_of_roughness` does from the mirror to the first roughness that was
+    fitted: by the square of the roughness. In proportion to it, a blend with level 1 would surround lamps with a haze.
+    """
+    first, roughness = 1 / (GRID - 1), np.arange(lookups.shape[1]) / (lookups.shape[1] - 1)
+    narrow = (roughness > 0) & (roughness < first)
+    part = level_of_roughness(roughness[narrow]) / level_of_roughness(np.array(first))
+    lookups[..., 1][:, narrow] *= (part * first / roughness[narrow])[:, None]
+    return lookups
 
 
 def hemispherical_mean(albedo: np.ndarray) -> np.ndarray:
