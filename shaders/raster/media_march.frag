@@ -56,8 +56,6 @@ void march_fog(inout Path path, Ray ray, float from, float to, Scattering medium
 #endif
 
 #if VOLUMES > 0
-// llvmpipe runs both sides of a branch, but no loop that has no turns: loops take the place of branches here, so that
-// steps outside of volumes and in what of them is empty cost little.
 #if DENSE
 const float THICK = 0.5; // optical depth of a part, and more behind what hides most
 const float MOST_PARTS = 16.0, SEARCH = 6.0;
@@ -75,7 +73,7 @@ void march_volumes(inout Path path, Ray ray, float from, float to, Scattering me
     for (int k = 0; k < VOLUMES; ++k) {
         vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
         float start = 0.0, most = 0.0, rise = 0.0;
-        for (bool is_seen = span.x < span.y && path.depth < DEEPEST; is_seen; is_seen = false) {
+        if (span.x < span.y && path.depth < DEEPEST) {
             float middle = 0.5 * (span.x + span.y), inside = extinction_on(ray, k, middle);
             start = extinction_on(ray, k, span.x);
             most = max(max(start, inside), extinction_on(ray, k, span.y));
@@ -111,12 +109,11 @@ void march_volumes(inout Path path, Ray ray, float from, float to, Scattering me
     for (int k = 0; k < VOLUMES; ++k) {
         vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
         float depth = 0.0;
-        for (bool is_met = span.x < span.y; is_met; is_met = false) {
+        if (span.x < span.y) {
             vec3 middle = ray.origin + 0.5 * (span.x + span.y) * ray.direction;
             depth = volume_extinction(k, middle) * (span.y - span.x);
         }
-        for (bool is_filled = depth > 0.0; is_filled; is_filled = false)
-            add_step(path, ray, span.x, span.y, depth, mean_collision(depth), medium);
+        if (depth > 0.0) add_step(path, ray, span.x, span.y, depth, mean_collision(depth), medium);
     }
 }
 #endif
@@ -133,7 +130,8 @@ void main() {
     vec4 carried = u_is_first ? vec4(0.0) : texelFetch(u_carried, ivec2(gl_FragCoord.xy), 0);
     Path path = Path(carried.rgb, carried.a);
     for (int k = 0; k < SLICES; ++k) {
-        for (int j = 0; j < u_steps; ++j) {
+        int j = 0;
+        do { // with the condition at the top, llvmpipe would take a turn more, for nothing
             vec2 step = mix(vec2(u_ends[k]), vec2(u_ends[k + 1]), (float(j) + vec2(0.0, 1.0)) / float(u_steps));
 #if FOG
             march_fog(path, ray, step.x, step.y, fog);
@@ -141,7 +139,7 @@ void main() {
 #if VOLUMES > 0
             march_volumes(path, ray, step.x, step.y, volumes);
 #endif
-        }
+        } while (++j < u_steps);
         o_slices[k] = vec4(path.light, one_minus_exp(path.depth));
     }
     o_slices[SLICES] = vec4(path.light, path.depth);
