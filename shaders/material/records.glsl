@@ -197,9 +197,10 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
     uvec4 maps = map_records(material);
 #endif
 #if HAS_COLOR_MAPS
-    int color_end = int((maps.x & 0xffffffu) + (maps.x >> 24));
-    for (int k = int(maps.x & 0xffffffu); k < color_end; ++k) {
-        TextureMap map = texture_map(k, uv0, uv1);
+    int color_map = int(maps.x & 0xffffffu);
+    int color_end = color_map + int(maps.x >> 24);
+    if (color_map < color_end) do {
+        TextureMap map = texture_map(color_map, uv0, uv1);
         vec4 texel = sample_atlas(u_color_atlas, map);
         if (has_role(map, BASE_COLOR_ROLE)) {
             m.base_color *= texel.rgba;
@@ -234,12 +235,13 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
             m.sheen_color *= texel.rgb;
         }
 #endif
-    }
+    } while (++color_map < color_end);
 #endif
 #if HAS_DATA_MAPS
-    int data_end = int((maps.y & 0xffffffu) + (maps.y >> 24));
-    for (int k = int(maps.y & 0xffffffu); k < data_end; ++k) {
-        TextureMap map = texture_map(k, uv0, uv1);
+    int data_map = int(maps.y & 0xffffffu);
+    int data_end = data_map + int(maps.y >> 24);
+    if (data_map < data_end) do {
+        TextureMap map = texture_map(data_map, uv0, uv1);
         vec4 texel = sample_atlas(u_data_atlas, map);
         if (has_role(map, METALLIC_ROUGHNESS_ROLE)) {
             m.metallic *= texel.b;
@@ -299,7 +301,7 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
             m.clearcoat_roughness *= texel.g;
         }
 #endif
-    }
+    } while (++data_map < data_end);
 #endif
 #if THIN_SCATTER
     apply_thin_scatter(m);

@@ -57,18 +57,21 @@ float volume_transmittance(Volume v, vec3 origin, vec3 direction, float limit, i
 float volumes_collision(vec3 origin, vec3 direction, float limit, float u, inout uint counter, out int volume) {
     float first = NO_COLLISION;
     volume = 0;
-    for (int k = 0; k < u_volume_count; ++k) {
+    int k = 0;
+    do { // where its condition comes first, llvmpipe runs a loop's body once more
         float t = volume_collision(volume_at(k), origin, direction, min(limit, first), u, counter);
         if (t < first) volume = k;
         first = min(first, t);
         u = random_number(counter);
-    }
+    } while (++k < u_volume_count);
     return first;
 }
 
 float volumes_transmittance(vec3 origin, vec3 direction, float limit, inout uint counter) {
     float transmittance = 1.0;
-    for (int k = 0; k < u_volume_count && transmittance > 0.0; ++k)
+    int k = 0;
+    do {
         transmittance *= volume_transmittance(volume_at(k), origin, direction, limit, counter);
+    } while (++k < u_volume_count && transmittance > 0.0);
     return transmittance;
 }

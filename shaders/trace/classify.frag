@@ -40,8 +40,7 @@ void main() {
     if (status == IDLE) path_class = CLASS_IDLE;
     else if (status == ENDED || kind == NO_KIND) path_class = CLASS_ENDED;
 #if HAS_SCATTERING && !FIRST_HITS
-    // A loop of at most one step stands for an `if`, because software OpenGL skips only loops.
-    for (float k = status; k == IN_FLIGHT; k = IDLE) path_class = class_in_medium(texel, path_class);
+    if (status == IN_FLIGHT) path_class = class_in_medium(texel, path_class);
 #endif
 #if FIRST_HITS
     bool is_first = path_class >= CLASS_SHADE && unpack_depth(texelFetch(u_radiance, texel, 0).w) == 0;

@@ -20,8 +20,7 @@ vec3 through_coat(vec3 emission, Interaction i, MaterialInputs m, vec3 wo) {
 vec3 emission_towards(Hit hit, vec3 wo) {
     vec3 emission = emission_at(hit);
 #if CLEARCOAT
-    // A loop of at most one step stands for an `if`, because software OpenGL skips only loops.
-    for (int k = int(clearcoat_factor(find_triangle(hit).material) > 0.0); k > 0; k = 0) {
+    if (clearcoat_factor(find_triangle(hit).material) > 0.0) {
         Interaction i = interact(hit, wo);
         emission = through_coat(emission, i, read_inputs(i.material, i.color, i.uv0, i.uv1), wo);
     }

@@ -67,16 +67,12 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
 }
 
 #if HAS_NORMAL_MAP
-// The normal of the normal map with the record `map` - 1, or n if `map` is 0. As raster/normal.glsl. A loop of at most
-// one step stands for an `if`, because software OpenGL skips only loops.
+// The normal of the normal map with the record `map` - 1, or n if `map` is 0. As raster/normal.glsl.
 vec3 mapped_normal(int map, float scale, Interaction i, vec3 along, vec3 across, vec3 n) {
-    vec3 mapped = n;
-    for (int k = map; k > 0; k = 0) {
-        vec3 texel = sample_atlas(u_data_atlas, texture_map(k - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;
-        texel.xy *= scale;
-        mapped = unit_or(texel.x * along + texel.y * across + texel.z * n, n);
-    }
-    return mapped;
+    if (map == 0) return n;
+    vec3 texel = sample_atlas(u_data_atlas, texture_map(map - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;
+    texel.xy *= scale;
+    return unit_or(texel.x * along + texel.y * across + texel.z * n, n);
 }
 #endif
 

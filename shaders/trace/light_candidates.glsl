@@ -16,7 +16,8 @@ SurfaceLight sample_light_at(Interaction i, Bsdf bsdf, mat3 frame, vec3 wo, vec3
     SurfaceLight chosen;
     chosen.side = 0.0;
     float sum = 0.0, own = 0.0;
-    for (int k = 0; k < count; ++k) {
+    int k = 0;
+    do { // where its condition comes first, llvmpipe runs a loop's body once more
         LightSample light = sample_light(i.position, n_light, vec3(fract(u.xy + 0.5 * float(k)), u.z));
         vec3 wi = light.direction * frame;
         float side = side_of(i, light.direction, wi.z);
@@ -27,7 +28,7 @@ SurfaceLight sample_light_at(Interaction i, Bsdf bsdf, mat3 frame, vec3 wo, vec3
         if (count > 1 && u.w * sum >= brings) continue;
         own = brings;
         chosen = SurfaceLight(light, f.rgb, f.w, side);
-    }
+    } while (++k < count);
     if (count > 1) chosen.f_cos *= sum / (float(count) * own);
     return chosen;
 }

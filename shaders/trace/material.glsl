@@ -42,7 +42,7 @@ vec4 color_texel(Triangle tri, bool is_last, uint role) {
 #if HAS_UV1
     uv1 = interpolate(tri, VERTEX_UV1).xy;
 #endif
-    for (int k = 0; k < min(count, 1); ++k) {
+    if (count > 0) {
         TextureMap map = texture_map(int(run & 0xffffffu) + (is_last ? count - 1 : 0), uv0, uv1);
         if (has_role(map, role)) texel = sample_atlas(u_color_atlas, map);
     }

@@ -87,16 +87,18 @@ def _records() -> str:
     lines += ["#if HAS_TEXTURES", "    uvec4 maps = map_records(material);", "#endif"]
     for kind, roles, run in (("color", COLOR_ROLES, "x"), ("data", DATA_ROLES, "y")):
         lines += [f"#if HAS_{kind.upper()}_MAPS",
-                  f"    int {kind}_end = int((maps.{run} & 0xffffffu) + (maps.{run} >> 24));",
-                  f"    for (int k = int(maps.{run} & 0xffffffu); k < {kind}_end; ++k) {{",
-                  "        TextureMap map = texture_map(k, uv0, uv1);",
+                  f"    int {kind}_map = int(maps.{run} & 0xffffffu);",
+                  f"    int {kind}_end = {kind}_map + int(maps.{run} >> 24);",
+                  # llvmpipe runs the body of a loop once more if its condition comes first.
+                  f"    if ({kind}_map < {kind}_end) do {{",
+                  f"        TextureMap map = texture_map({kind}_map, uv0, uv1);",
                   f"        vec4 texel = sample_atlas(u_{kind}_atlas, map);"]
         for name in roles:
             products = ["            " + line for line in _products(MAPS[name])]
             branch = [f"        if (has_role(map, {name.upper()}_ROLE)) {{", *products, "        }"]
             switch = MAPS[name].info.feature.switch
             lines += [f"#if {switch}", *branch, "#endif"] if switch else branch
-        lines += ["    }", "#endif"]
+        lines += [f"    }} while (++{kind}_map < {kind}_end);", "#endif"]
     lines += [*_applied_last(), "    return m;", "}", ""]
     return "\n".join(lines)
 
