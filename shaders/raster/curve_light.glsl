@@ -49,10 +49,11 @@ const int STEPS_ABOUT = 8; // directions about the fibre
 
 #if HAIR_LIGHT
 // Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter, from where they
-// hide the outside; the Legendre moments 1 to 4 of its inclination to the fibres, over its mean; v, where more of it
-// comes from across them, 1 + v . d times; and how open it is in the direction d along fibres t, 1 / (1 + the optical
-// depth to the outside) = a + b . d + c (t . d)^2, with a in the first channel and c in the last one of u_hair_across.
-// Of what fibres take away, the share u_hair_kept does not go on almost straight through them.
+// hide the outside, and the share of space that they fill; the Legendre moments 1 to 4 of its inclination to the
+// fibres, over its mean; v, where more of it comes from across them, 1 + v . d times; and how open it is in the
+// direction d along fibres t, 1 / (1 + the optical depth to the outside) = a + b . d + c (t . d)^2, with a in the first
+// channel and c in the last one of u_hair_across. Of what fibres take away, the share u_hair_kept does not go on almost
+// straight through them.
 uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_across, u_hair_open;
 uniform vec3 u_hair_kept;
 uniform vec3 u_hair_low, u_hair_scale; // the grid's corner in eye-relative units, and 1 / its sides
@@ -89,6 +90,7 @@ float environment_lod(SeenFibre s, mat3x4 lobes, float step) {
 // Light from all around over all lobes: from directions on the cone where theta_i = -theta_o, about which they lie.
 struct LightAround {
     vec3 scattered; // mean radiance of light from fibres
+    float filled;   // share of space that they fill
     vec4 across;    // where it comes from, and c
     vec4 open;      // a and b
 };
@@ -96,10 +98,11 @@ struct LightAround {
 LightAround light_between_fibres(vec3 position) {
 #if HAIR_LIGHT
     vec3 at = in_hair(position);
-    return LightAround(textureLod(u_hair_scattered, at, 0.0).rgb, textureLod(u_hair_across, at, 0.0),
+    vec4 scattered = textureLod(u_hair_scattered, at, 0.0);
+    return LightAround(scattered.rgb, scattered.a, textureLod(u_hair_across, at, 0.0),
                        textureLod(u_hair_open, at, 0.0));
 #else
-    return LightAround(vec3(0.0), vec4(0.0), vec4(0.0));
+    return LightAround(vec3(0.0), 0.0, vec4(0.0), vec4(0.0));
 #endif
 }
 
@@ -108,16 +111,28 @@ float depth_to_outside(LightAround a, vec3 d, float sine) {
     return 1.0 / clamp(a.open.x + dot(a.open.yzw, d) + a.across.w * sine * sine, 1e-3, 1.0) - 1.0;
 }
 
+#if HAIR_LIGHT
+// The same, less what is known to be open: the fibre is seen along wo. Of parallel fibres of radius r, n in a unit of
+// area across them, those hide two directions an angle phi apart about the fibre that lie in two strips of width 2 r.
+// The strips have the area r^2 / tan(phi / 2) in common, in which n r^2 / tan(phi / 2) fibres would be; of depths below
+// twice that, the strips end before they part. d and wo are in the frame of the fibre.
+float depth_where_seen(LightAround a, mat3 frame, vec3 d, vec3 wo) {
+    float depth = depth_to_outside(a, frame * d, d.x), both = min(depth, depth_to_outside(a, frame * wo, wo.x));
+    float shared = a.filled / PI * (length(d.yz) + d.z) / max(abs(d.y), 1e-4);
+    return depth - (both < 2.0 * shared ? both - both * both / (4.0 * shared) : shared);
+}
+#endif
+
 // `share` of the environment from d, at the level `lod`, and `inclined` of the light from fibres, which scatter it from
 // where they hide the outside: in a white furnace the two add up to 1.
-vec3 arriving_from(LightAround a, vec3 d, float sine, float lod, vec3 share, vec3 inclined) {
-    vec3 radiance = vec3(0.0), opacity = vec3(0.0);
+vec3 arriving_from(LightAround a, mat3 frame, vec3 d, vec3 wo, float lod, vec3 share, vec3 inclined) {
+    vec3 radiance = vec3(0.0), opacity = vec3(0.0), towards = frame * d;
 #if HAIR_LIGHT
-    opacity = 1.0 - exp(-u_hair_kept * depth_to_outside(a, d, sine));
-    radiance = inclined * max(1.0 + dot(a.across.xyz, d), 0.0) * a.scattered * opacity;
+    opacity = 1.0 - exp(-u_hair_kept * depth_where_seen(a, frame, d, wo));
+    radiance = inclined * max(1.0 + dot(a.across.xyz, towards), 0.0) * a.scattered * opacity;
 #endif
 #if HAS_ENVIRONMENT
-    radiance += share * environment_level(d, lod) * (1.0 - opacity);
+    radiance += share * environment_level(towards, lod) * (1.0 - opacity);
 #endif
     return radiance;
 }
@@ -144,11 +159,11 @@ vec3 light_about_offset(SeenFibre s, LightAround a, vec4 gathered, mat3 frame) {
     vec3 radiance = vec3(0.0);
     for (int p = 0; p < 3; ++p) {
         vec2 across = complex_product(vec2(0.0, 1.0), s.lobes.turn[p]);
-        vec3 d = frame * vec3(s.lobes.mean[p].y, s.lobes.mean[p].x * across);
+        vec3 d = vec3(s.lobes.mean[p].y, s.lobes.mean[p].x * across);
 #if HAS_ENVIRONMENT
         lod = lod_of_variance(min(s.lobes.variance[p], about)); // no light from beside a narrow lobe
 #endif
-        radiance += arriving_from(a, d, s.lobes.mean[p].y, lod, A[p], gathered[p] * A[p]);
+        radiance += arriving_from(a, frame, d, s.wo, lod, A[p], gathered[p] * A[p]);
     }
     return radiance;
 }
@@ -171,9 +186,9 @@ vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
 #if HAS_ENVIRONMENT
         lod = environment_lod(s, lobes, step);
 #endif
-        radiance += arriving_from(a, frame * d, d.x, lod, share, inclined);
+        radiance += arriving_from(a, frame, d, s.wo, lod, share, inclined);
         if (k == 0 || 2 * k == STEPS_ABOUT) continue;
-        radiance += arriving_from(a, frame * vec3(d.x, -d.y, d.z), d.x, lod, share, inclined);
+        radiance += arriving_from(a, frame, vec3(d.x, -d.y, d.z), s.wo, lod, share, inclined);
     }
 #if NEAR
     radiance = mix(radiance, light_about_offset(s, a, gathered, frame), s.nearness);

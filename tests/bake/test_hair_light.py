@@ -64,6 +64,12 @@ def test_the_density_is_that_of_all_fibres(grid):
     assert (filled > curves.corners[0] - grid.cell).all() and (filled < curves.corners[7] + grid.cell).all()
 
 
+def test_the_share_that_fibres_fill_is_that_of_their_volume(grid):
+    curves = tuft()
+    lengths = np.linalg.norm(curves.points[1::2] - curves.points[::2], axis=1)
+    assert grid.filled.sum() * grid.cell**3 == pytest.approx(np.pi * 0.01**2 * lengths.sum(), rel=0.05)
+
+
 def box_of_fibres() -> FibreGrid:
     density = np.pad(np.full((20, 16, 24), 0.3, np.float32), 1)
     none = np.zeros((6, *density.shape), np.float32)  # as if all fibres were across the light

@@ -357,6 +357,17 @@ def test_light_between_fibres(radiance, renderer):
     assert held is not None and renderer._passes.curves._light.held is None
 
 
+def test_fibres_that_fill_much_of_space_lie_open_to_where_they_are_seen_from(radiance):
+    """Three fifths of it are filled. Mode path has 0.0325 +- 0.0002 here; without what is known from seeing the fibres
+    it would be 0.0252."""
+    x, z = np.random.default_rng(3).uniform(-0.5, 0.5, (2, 300))
+    ends = np.stack([np.stack([x, np.full(300, y), z], axis=1) for y in (-1.0, 1.0)], axis=1)
+    crowd = Curves("crowd", ends.reshape(-1, 3), np.full(600, 0.025), 2 * np.arange(301), np.zeros(300, bool),
+                   fibre=Fibre((1.0, 1.0, 1.0)))
+    pixels = radiance(shown(crowd), CAMERA, background="none", antialias="ssaa-4")
+    assert pixels[8:24, 11:21, :3].mean() == pytest.approx(0.0325, rel=0.12)
+
+
 def test_light_between_fibres_is_baked_anew_only_if_it_changes(radiance, renderer):
     model = shown(bundle(WHITE))
     radiance(model, CAMERA, (16, 16))

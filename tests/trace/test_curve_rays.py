@@ -34,6 +34,21 @@ def curves() -> TraceCurves:
     return trace_curves(Scene("strands", curves=strands()))
 
 
+def test_points_that_repeat_the_one_before_are_left_out():
+    """They would be spheres of no direction, in the very place of the strand's end."""
+    points = np.float32([[0, 0, 0], [3, 0, 0], [4, 1, 0], [1, 1, 1], [2, 2, 2]])
+    radii = np.float32([1, 1, 2, 0.5, 0.5])
+
+    def traced(rows, offsets):
+        curves = Curves("strands", points[rows], radii[rows], offsets, [False, False])
+        return trace_curves(Scene("strands", curves=(curves,)))
+
+    plain, repeated = traced([0, 1, 2, 3, 4], [0, 3, 5]), traced([0, 0, 1, 2, 2, 2, 3, 4, 4], [0, 6, 9])
+    np.testing.assert_array_equal(repeated.points, plain.points)
+    np.testing.assert_array_equal(repeated.first, plain.first)
+    assert len(traced([0, 1, 3, 3, 3], [0, 2, 5]).first) == 2, "a strand of one place is a sphere"
+
+
 def bodies(curves: TraceCurves) -> np.ndarray:
     first = curves.first.astype(np.int64)
     return np.stack([curves.points[first], curves.points[first + 1]], axis=1)

@@ -51,6 +51,12 @@ class FibreGrid:
         z, y, x = np.indices(self.shape).reshape(3, -1)
         return self.low + self.cell * (np.stack([x, y, z], axis=1) + 0.5)
 
+    @property
+    def filled(self) -> np.ndarray:
+        """The share of space that fibres fill, (nz, ny, nx): pi r^2 l / V. None of it where fibres are yarns'."""
+        filled: np.ndarray = np.float32(math.pi / 2 / _OWN) * self.density * self.own
+        return filled
+
     def moments(self) -> tuple[np.ndarray, np.ndarray]:
         """The axis (3, nz, ny, nx) of the fibres in each cell, and (5, nz, ny, nx) the mean over them of the Legendre
         polynomials P_0 to P_4 of the cosine of the angle to it. Those of P_3 and P_4 follow from P_2, as for a normal

@@ -71,7 +71,7 @@ def trace_curves(scene: Scene, before: tuple[Scene, TraceCurves | None] | None =
     if before is not None and before[0].curves == scene.curves and before[0].radius == scene.radius and bool(
             (before[0].center == scene.center).all()):
         return before[1]
-    kept = [(source, *polylines(source)) for source in scene.curves if source.spans.any()]
+    kept = [(source, *_distinct(*polylines(source))) for source in scene.curves if source.spans.any()]
     if not kept:
         return None
     has_colors = any(source.colors is not None for source, _, _ in kept)
@@ -92,6 +92,20 @@ def trace_curves(scene: Scene, before: tuple[Scene, TraceCurves | None] | None =
     return TraceCurves(np.concatenate(points), np.concatenate(first), np.concatenate(codes),
                        np.concatenate(colors) if has_colors else None, tuple(source for source, _, _ in kept),
                        sum(len(counts) for _, _, counts in kept))
+
+
+def _distinct(corners: NDArray[np.float32], counts: NDArray[np.int64]) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Without corners that repeat the one before, which would be spheres of no direction in the place of a strand's
+    end. A strand keeps two corners at least."""
+    ends = np.cumsum(counts + 1)
+    is_kept = np.append(True, (corners[1:, :4] != corners[:-1, :4]).any(axis=1))
+    is_kept[ends - counts - 1] = True
+    if is_kept.all():
+        return corners, counts
+    left = np.add.reduceat(is_kept, ends - counts - 1, dtype=np.int64)
+    is_kept[ends[(left == 1) & (counts > 0)] - 1] = True
+    left = np.maximum(left, np.minimum(counts + 1, 2))
+    return corners[is_kept], left - 1
 
 
 def _points(scene: Scene, corners: NDArray[np.float32], counts: NDArray[np.int64], rows: NDArray[np.int64]
