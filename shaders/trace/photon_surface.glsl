@@ -89,8 +89,8 @@ void main() {
     bool is_delta = (b.flags & DELTA) != 0u;
     bool continues = b.flags != 0u && side != 0.0 && (is_delta || p.depth > 0);
 
-    // To the camera; and, if the next direction is not that of a delta lobe, on in that direction. A loop, since
-    // software OpenGL skips nothing else.
+    // To the camera; and, if the next direction is not that of a delta lobe, on in that direction. A loop, so
+    // that a program has the BSDF once.
     CameraSample c = sample_camera(i.position);
     vec3 weight = b.weight;
     bool connects = p.depth > 0 && c.importance > 0.0;
