@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
-from viewer.raster.deferred import _around, _planes, pixel_box
+from viewer.raster.deferred import _planes
+from viewer.raster.pixel_boxes import around, cell_corners, pixel_box, pixel_rows
 from viewer.scene.camera import Camera
 from viewer.scene.frame import Frame
 from viewer.scene.light import Light
@@ -182,11 +183,37 @@ def test_two_objects_of_one_plane_are_two_surfaces(renderer):
 @pytest.mark.parametrize("hole", [(3, 4, 5, 2), (2, 3, 8, 6), (2, 5, 3, 4), (0, 0, 0, 0)], ids=str)
 def test_around_a_hole(hole):
     covered = np.zeros((12, 14), int)
-    for x, y, width, height in (*_around(hole, (2, 3, 8, 6)), hole):
+    for x, y, width, height in (*around(hole, (2, 3, 8, 6)), hole):
         covered[y:y + height, x:x + width] += 1
     right = np.zeros_like(covered)
     right[3:9, 2:10] = 1
     assert np.array_equal(covered, right)
+
+
+def test_rows_hold_what_is_drawn():
+    """All points of two bodies, one of them mirrored, and of what is drawn over them; and they leave out corners."""
+    model, rng = still_life(), np.random.default_rng(0)
+    frame, box = Frame(model, CAMERA, (400, 320)), (20, 30, 350, 280)
+    corners, points = [], []
+    for instance in model.instances[:2]:
+        mesh, matrix = model.meshes[instance.mesh], instance.transform
+        corners.append(cell_corners(mesh.positions) @ matrix[:3, :3].T + matrix[:3, 3])
+        weights = rng.dirichlet((0.3, 0.3, 0.3), len(mesh.indices) // 3)
+        on_triangles = np.einsum("tk,tkc->tc", weights, mesh.positions[mesh.indices.reshape(-1, 3)])
+        points.append(on_triangles @ matrix[:3, :3].T + matrix[:3, 3])
+    clip = np.concatenate([(np.concatenate(points) - CAMERA.eye) / frame.unit,
+                           np.ones((sum(map(len, points)), 1))], axis=1) @ frame.view_projection.T
+    x, y = np.floor((clip[:, :2] / clip[:, 3:] + 1) / 2 * frame.size).astype(int).T
+    for over in ((0, 0, 0, 0), (21, 35, 4, 60)):
+        drawn_over = np.zeros((320, 400), int)
+        for left, bottom, width, height in pixel_rows(frame, np.concatenate(corners), box, over):
+            drawn_over[bottom:bottom + height, left:left + width] += 1
+        is_within = (x >= 20) & (x < 370) & (y >= 30) & (y < 310)
+        assert drawn_over.max() == 1 and is_within.sum() > 500 and drawn_over[y[is_within], x[is_within]].all()
+        assert drawn_over[35:35 + over[3], 21:21 + over[2]].all()
+        assert drawn_over.sum() == drawn_over[30:310, 20:370].sum() < 0.8 * 350 * 280
+    near = Camera.look_at((0.7, 0.1, 0.3), (0, 0, 0), fov_y=0.8)
+    assert pixel_rows(Frame(model, near, SIZE), np.concatenate(corners), (3, 4, 20, 9), (0, 0, 0, 0)) == [(3, 4, 20, 9)]
 
 
 def test_planes_and_boxes():

@@ -12,8 +12,7 @@ Burns and Hunt 2013, "The Visibility Buffer: A Cache-Friendly Approach to Deferr
 from __future__ import annotations
 
 import ctypes
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import moderngl
 import numpy as np
@@ -31,6 +30,7 @@ from ..scene.triangles import triangles_of
 from .depth import Depth
 from .gbuffer import nearest_texture
 from .geometry import MeshBuffers
+from .pixel_boxes import Box, around, cell_corners, pixel_box, pixel_rows, union
 from .surface_programs import FULLSCREEN, TRIANGLES
 from .surfaces import Surfaces
 from .target import Target
@@ -66,8 +66,9 @@ class DeferredSurfaces:
         boxes = {draw.instance: pixel_box(frame, draw.instance, part) for draw in draws if frame.visible[draw.instance]}
         others = [instance for draw in plan.draws if not draw.is_deferred
                   for instance in draw.instances or (draw.instance,) if frame.visible[instance]]
-        over = _union([pixel_box(frame, instance, part) for instance in others])
-        layers.clear(self._programs, _union([*boxes.values(), over]), over)
+        over = union([pixel_box(frame, instance, part) for instance in others])
+        box = union([*boxes.values(), over])
+        layers.clear(self._programs, box, pixel_rows(frame, triangles.corners, box, over), over)
         self._draw_triangles(frame, plan, layers, triangles, uniforms)
         self._choose(frame, layers, triangles)
         for number in range(2):
@@ -98,16 +99,15 @@ class DeferredSurfaces:
                      layers.choosing),
                     ("raster/choose_second.frag", switches | {"NOTHING": _NOTHING}, layers.second)):
                 program = self._programs.get(FULLSCREEN, fragment, defines)
-                framebuffer.scissor = layers.box
                 framebuffer.use()
                 for name, value in values.items():
                     set_uniform(program, name, value)
                 triangles.planes.bind(program, "u_planes", UNIT_GEOMETRY)
-                fullscreen(gl, program).render(vertices=3)
+                layers.draw_rows(framebuffer, program)
                 layers.choosing.color_attachments[0].use(UNIT_CHOSEN)
 
     def _shade(self, number: int, frame: Frame, plan: Plan, layers: Layers, triangles: Triangles,
-               boxes: Mapping[int, tuple[int, int, int, int]], uniforms: dict[str, object]) -> None:
+               boxes: Mapping[int, Box], uniforms: dict[str, object]) -> None:
         """Shade the first (`number` 0) or the second surface of each pixel."""
         framebuffer = layers.shaded[number]
         values = uniforms | {
@@ -162,6 +162,8 @@ class Layers:
         self._copied: moderngl.Framebuffer | None = None
         self.box = 0, 0, 0, 0
         """The rectangle of pixels (x, y, width, height) outside of which there is no object."""
+        self.rows: list[Box] = []
+        """Rectangles in it, outside of which there is none, either."""
         self.over = 0, 0, 0, 0
         """The one outside of which nothing is drawn over them."""
         self.has_background = False
@@ -170,10 +172,10 @@ class Layers:
     def fits(self, target: Target, in_place: bool) -> bool:
         return self._target is target and self._in_place == in_place
 
-    def clear(self, programs: Programs, box: tuple[int, int, int, int], over: tuple[int, int, int, int]) -> None:
-        """Clear what the frame reads, with `in_place` also the target, for a frame of this `box` and `over`."""
-        self.box, self.over, in_place = box, over, self._in_place
-        self.choosing.scissor, self.numbers.scissor = self._target.part, box
+    def clear(self, programs: Programs, box: Box, rows: list[Box], over: Box) -> None:
+        """Clear what the frame reads, with `in_place` also the target, for a frame of this `box`, `rows` and `over`."""
+        self.box, self.rows, self.over, in_place = box, rows, over, self._in_place
+        self.choosing.scissor = self.second.scissor = self._target.part
         if in_place and not self.has_background:
             self._target.resolved.use()
             self._target.resolved.clear()
@@ -185,13 +187,23 @@ class Layers:
         if not in_place:
             self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)())
         self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(self._depth.far))
+        self.second.use()
+        self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(_NOTHING))
         # With a scissor, OpenGL in software draws a rectangle for each buffer; here one triangle, 0, clears both.
         program = programs.get(FULLSCREEN, TRIANGLES.fragment, {})
         set_uniform(program, "u_first_triangle", 0)
         self.numbers.use()
         self._gl.enable_only(moderngl.DEPTH_TEST if in_place else moderngl.NOTHING)
         with self._depth.as_far():
-            fullscreen(self._gl, program).render(vertices=3)
+            self.draw_rows(self.numbers, program)
+        self.numbers.scissor = box
+
+    def draw_rows(self, framebuffer: moderngl.Framebuffer, program: moderngl.Program) -> None:
+        """Draw full-screen triangles in the rows of `framebuffer`, which is in use."""
+        triangle = fullscreen(self._gl, program)
+        for row in self.rows:
+            framebuffer.scissor = row
+            triangle.render(vertices=3)
 
     def resolve(self, programs: Programs, unit: int) -> None:
         """As `Behind.resolve`."""
@@ -230,14 +242,14 @@ class Layers:
                           self.over)
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         with self._depth.except_at(_NOTHING):
-            for part in _around(self.over, self.box):
+            for part in around(self.over, self.box):
                 self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 0}), unit, framebuffer,
                               part)
         # OpenGL draws nothing into several textures while a second source is set, and Mesa not even unblended.
         self._gl.blend_func = moderngl.ONE, moderngl.ZERO
 
     def _resolve(self, program: moderngl.Program, unit: int, framebuffer: moderngl.Framebuffer,
-                 box: tuple[int, int, int, int] | None) -> None:
+                 box: Box | None) -> None:
         framebuffer.scissor = box
         framebuffer.use()
         set_uniform(program, "u_samples", unit)
@@ -266,13 +278,16 @@ class Triangles:
         """The number of the first triangle of each instance (shaders/raster/planes.glsl)."""
         self.objects = {draw.instance: k for k, draw in enumerate(draws)}
         """The number of each instance, from 0."""
-        planes, count = [], 0
+        planes, corners, count = [], [], 0
         for draw in draws:
             mesh = scene.meshes[draw.mesh]
             matrix = scene.instances[draw.instance].transform
             self.first[draw.instance] = self.objects[draw.instance] << TRIANGLE_BITS | (count + 1)
             count += mesh.triangle_count
             planes.append(_planes(mesh.positions, triangles_of(mesh), matrix, scene))
+            corners.append(cell_corners(mesh.positions) @ matrix[:3, :3].T + matrix[:3, 3])
+        self.corners = np.concatenate(corners)
+        """Points (N, 3) in world axes, whose convex hull has all triangles in it."""
         self.planes = BufferTexture(context, np.concatenate(planes))
 
     def fits(self, scene: Scene, draws: list[Draw]) -> bool:
@@ -299,37 +314,3 @@ def _planes(positions: np.ndarray, triangles: np.ndarray, matrix: np.ndarray, sc
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return np.concatenate([normals, -(normals * corners[:, 0]).sum(axis=1, keepdims=True)], axis=1).astype(np.float32)
-
-
-def pixel_box(frame: Frame, instance: int, part: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
-    """The rectangle of pixels (x, y, width, height) that an instance may touch, within `part` of the picture."""
-    x, y, width, height = part
-    corners = (frame.scene.corners[instance] - frame.camera.eye) / frame.unit
-    clip = np.concatenate([corners, np.ones((8, 1))], axis=1) @ frame.view_projection.T
-    if (clip[:, 3] <= 1e-6).any():  # reaches behind the eye
-        return part
-    pixels = (clip[:, :2] / clip[:, 3:] + 1) / 2 * frame.size
-    low = np.maximum(pixels.min(axis=0) - 1, (x, y))
-    high = np.minimum(pixels.max(axis=0) + 1, (x + width, y + height))
-    left, bottom = math.floor(low[0]), math.floor(low[1])
-    return left, bottom, max(math.ceil(high[0]) - left, 0), max(math.ceil(high[1]) - bottom, 0)
-
-
-def _union(boxes: Sequence[tuple[int, int, int, int]]) -> tuple[int, int, int, int]:
-    """The rectangle about all that are not empty."""
-    corners = np.array([(x, y, x + width, y + height) for x, y, width, height in boxes if width and height])
-    if not len(corners):
-        return 0, 0, 0, 0
-    (left, bottom), (right, top) = corners[:, :2].min(axis=0).tolist(), corners[:, 2:].max(axis=0).tolist()
-    return left, bottom, right - left, top - bottom
-
-
-def _around(hole: tuple[int, int, int, int], box: tuple[int, int, int, int]) -> list[tuple[int, int, int, int]]:
-    """The rectangles that are left of `box` without `hole`, which lies in it or is empty."""
-    x, y, width, height = box
-    if not hole[2]:
-        return [box]
-    left, bottom, right, top = hole[0], hole[1], hole[0] + hole[2], hole[1] + hole[3]
-    parts = ((x, y, width, bottom - y), (x, top, width, y + height - top),
-             (x, bottom, left - x, top - bottom), (right, bottom, x + width - right, top - bottom))
-    return [part for part in parts if part[2] and part[3]]
