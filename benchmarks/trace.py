@@ -33,6 +33,11 @@ COLUMNS = {"scene": "scene", "triangles": "triangles:,", "by": "by", "first pict
            "relMSE": "relmse:.2e", "Msample/s": "mega_samples:.2f", "Mray/s": "mega_rays:.2f"}
 
 
+OURS, ADAPTIVE, MITSUBA = "pbr-viewer", "pbr-viewer adaptive", "Mitsuba"
+LEAST_ERROR = 1e-5
+"""Never reached: the samples end the picture, and the error only says that they go where there is noise."""
+
+
 class Drawn(NamedTuple):
     """A picture, the seconds it took by the clock and of all processors, and its rays (0: not known)."""
 
@@ -69,6 +74,8 @@ def _scene(tracer: Tracer, name: str, scene: Scene, camera: Camera, options: arg
     """Both renderers in turn, a round a seed, for each sample count."""
     size, rows = (options.size, options.size), []
     renderers = [ours(tracer, scene, camera, size)]
+    if options.adaptive:
+        renderers.append(ours(tracer, scene, camera, size, ADAPTIVE))
     if mitsuba_scene.is_installed() and not options.ours:
         renderers.append(mitsubas(scene, camera, size))
     references, first = {}, {}
@@ -97,13 +104,17 @@ def _scene(tracer: Tracer, name: str, scene: Scene, camera: Camera, options: arg
     return rows
 
 
-def ours(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
+def ours(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int], name: str = OURS) -> Renderer:
+    """With the name ADAPTIVE as many samples of all pixels together, where there is noise."""
+    error = LEAST_ERROR if name == ADAPTIVE else None
+
     def draw(spp: int, seed: int) -> Drawn:
         start, processor = time.perf_counter(), time.process_time()
-        shot = tracing.shoot(tracer, scene, camera, Settings.of(mode="path", spp=spp, seed=seed), size)
+        shot = tracing.shoot(tracer, scene, camera, Settings.of(mode="path", spp=spp, seed=seed, error=error),
+                              size)
         return Drawn(shot.pixels, time.perf_counter() - start, time.process_time() - processor, shot.rays)
 
-    return Renderer("pbr-viewer", draw)
+    return Renderer(name, draw)
 
 
 def mitsubas(scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
@@ -114,21 +125,22 @@ def mitsubas(scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
         picture = mitsuba_scene.render(theirs, spp, seed)
         return Drawn(picture, time.perf_counter() - start, time.process_time() - processor, 0)
 
-    return Renderer(f"Mitsuba, {mitsuba_scene.mitsuba().variant()}", draw)
+    return Renderer(f"{MITSUBA}, {mitsuba_scene.mitsuba().variant()}", draw)
 
 
 def _against(rows: list[dict[str, object]]) -> list[str]:
     """Our time over Mitsuba's at equal samples, and at equal error: error times time, since relMSE falls as 1 / time.
     Of the largest sample count of each scene, by the clock and by the time of all processors."""
     last = {(str(row["scene"]), str(row["by"]).split(",")[0]): row for row in rows}
-    lines = ["| scene | equal samples, clock | processor | equal error, clock | processor |", "|---|---|---|---|---|"]
-    for scene in dict.fromkeys(scene for scene, _ in last):
-        us, them = last[scene, "pbr-viewer"], last.get((scene, "Mitsuba"))
-        if them is not None:
+    lines = ["| scene | by | equal samples, clock | processor | equal error, clock | processor |",
+             "|---|---|---|---|---|---|"]
+    for (scene, name), us in last.items():
+        them = last.get((scene, MITSUBA))
+        if them is not None and name != MITSUBA:
             error = float(us["relmse"]) / float(them["relmse"])
             times = [float(us[key]) / float(them[key]) for key in ("median", "processor")]
             cells = (f"{value:.2f}" for value in (*times, *(error * t for t in times)))
-            lines.append(f"| {scene} | " + " | ".join(cells) + " |")
+            lines.append(f"| {scene} | {name} | " + " | ".join(cells) + " |")
     return lines if len(lines) > 2 else []
 
 
@@ -137,7 +149,7 @@ def _growth(rows: list[dict[str, object]]) -> list[str]:
     lines = ["| hills | cost of a sample, of the smallest | logarithm of triangles, of the smallest |", "|---|---|---|"]
     costs: dict[int, float] = {}
     for row in rows:
-        if row["by"] == "pbr-viewer" and str(row["scene"]).startswith("hills"):
+        if row["by"] == OURS and str(row["scene"]).startswith("hills"):
             costs[int(row["triangles"])] = 1 / float(row["mega_samples"])  # of the largest sample count, the last
     if len(costs) < len(HILLS):
         return []
@@ -154,6 +166,7 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--reference-spp", type=int, default=1024, help="samples a pixel of the references (1024)")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--only", default="", help="parts of the scenes' names, with commas")
+    parser.add_argument("--adaptive", action="store_true", help="ours with as many samples where there is noise, too")
     parser.add_argument("--ours", action="store_true", help="leave Mitsuba out")
     parser.add_argument("--results", type=Path, default=REPOSITORY / "benchmarks/results")
     return parser.parse_args()

@@ -100,7 +100,7 @@ class Settings:
 
     # For mode path, which stops when the first of spp, time_budget and error is reached; if none is given, at 64 spp.
     spp: int | None = None
-    """Samples per pixel. If a time budget or error is given, the most samples per pixel."""
+    """Samples per pixel. If a time budget or error is given, the most samples per pixel, on average."""
     time_budget: float | None = None
     """In seconds, for one picture, including its preparation."""
     error: float | None = None
@@ -315,8 +315,13 @@ class Settings:
         return usable[0], usable[1]
 
     @property
+    def is_adaptive(self) -> bool:
+        """Whether pixels get different numbers of samples in mode path, by their noise."""
+        return self.error is not None or self.time_budget is not None
+
+    @property
     def most_spp(self) -> int:
-        """The maximum number of samples per pixel in mode path."""
+        """The maximum number of samples per pixel in mode path, of all pixels on average."""
         if self.spp is not None:
             return self.spp
         return DEFAULT_SPP if self.time_budget is None and self.error is None else MAX_SPP

@@ -3,6 +3,9 @@
 #include "trace/sky_sums.glsl"
 
 uniform sampler2D u_sky;
+#if CHOOSES_PIXELS
+uniform sampler2D u_chosen; // 1 at the homes of the pixels that the work items are for
+#endif
 uniform ivec2 u_size; // of the picture
 
 void main() {
@@ -10,5 +13,8 @@ void main() {
     ivec4 block = texelFetch(u_blocks, texel / TILE, 0);
     ivec2 pixel = block.xy * TILE + texel % TILE;
     bool is_inside = all(lessThan(pixel, u_size));
+#if CHOOSES_PIXELS
+    is_inside = is_inside && texelFetch(u_chosen, texel, 0).r > 0.0;
+#endif
     write_sky(is_inside ? texelFetch(u_sky, pixel, 0) : vec4(0.0), block.w);
 }

@@ -1,5 +1,6 @@
 // Begins the next sample of a path that has ended, or makes it idle if no sample is left. BEGINS: begins the first
-// sample of a new work item instead, except, with HAS_SKY, in pixels that no triangle can touch.
+// sample of a new work item instead, except, with HAS_SKY, in pixels that no triangle can touch, and, with
+// CHOOSES_PIXELS, in pixels that the item is not for.
 #include "trace/numbers.glsl"
 #include "trace/write_state.glsl"
 #if RAYS
@@ -14,6 +15,9 @@ uniform ivec2 u_size; // of the picture
 #if BEGINS && HAS_SKY
 uniform sampler2D u_sky; // of viewer/trace/paths/sky.py
 #endif
+#if BEGINS && CHOOSES_PIXELS
+uniform sampler2D u_chosen; // 1 at the homes of the pixels that the work items are for
+#endif
 #if (HAS_SCATTERING || HAS_NESTED) && !RAYS
 uniform int u_camera_medium; // the nesting of media around the eye
 uniform float u_camera_eta2; // the square of the index there
@@ -26,6 +30,9 @@ void main() {
     bool is_inside = all(lessThan(block.xy * TILE + home % TILE, u_size));
 #if HAS_SKY
     is_inside = is_inside && texelFetch(u_sky, block.xy * TILE + home % TILE, 0).a == 0.0;
+#endif
+#if CHOOSES_PIXELS
+    is_inside = is_inside && texelFetch(u_chosen, home, 0).r > 0.0;
 #endif
     int left = is_inside ? block.w : 0;
 #else

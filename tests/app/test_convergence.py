@@ -21,7 +21,7 @@ from viewer.interact.state import ViewState
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.settings import Settings
-from viewer.trace.paths.schedule import PILOT
+from viewer.trace.paths.schedule import LEAST
 from viewer.trace.tracer import Tracer
 
 SIZE = (72, 56)
@@ -239,11 +239,11 @@ def test_a_time_budget_ends_it(hand):
 
 
 def test_an_error_that_is_reached_ends_it(hand, monkeypatch):
-    """Before, it went on to the samples after which tiles get different numbers."""
+    """Before, it went on to the samples without which no error ends a picture."""
     monkeypatch.setattr(convergence, "UPDATE_SECONDS", (0.0, 0.0))
     hand.state.settings = replace(PLAIN, spp=None, error=0.5)
     hand.rest()
-    assert convergence.ENOUGH <= hand.paths.progress.samples < PILOT and hand.paths.progress.error <= 0.5
+    assert convergence.ENOUGH <= hand.paths.progress.samples < LEAST and hand.paths.progress.error <= 0.5
     assert hand.paths.is_done and hand.paths.picture is not None and hand.paths.status().endswith("done")
 
 

@@ -230,7 +230,7 @@ TIME_OPTIONS = [
 ]
 PATH_OPTIONS = [
     click.option("--spp", type=Whole(*_ends("spp")), metavar="N",
-                 help=f"Mode path: samples per pixel. With one of the next two options it is the most samples. "
+                 help=f"Mode path: samples per pixel. With one of the next two options it is the most, on average. "
                       f"Default: {DEFAULT_SPP}, or unlimited with one of them."),
     click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
                  help="Make the best picture within this time, by both renderers; with --mode path, by path tracing."),

@@ -62,6 +62,11 @@ class TracePlan:
         return bool(self.programs["generate"]["HAS_TRANSMISSION"])
 
     @property
+    def chooses_pixels(self) -> bool:
+        """Whether pixels get different numbers of samples."""
+        return bool(self.programs["begin"]["CHOOSES_PIXELS"])
+
+    @property
     def is_sorted(self) -> bool:
         """Whether paths of one class lie side by side."""
         return bool(dict(self.programs["classify"].switches)["SORTED"])
@@ -122,20 +127,20 @@ def plan_trace(
     kinds |= {FIBRE} if geometry.curves is not None else set()
     state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
                                                "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch, "SORTED")}
-    first = state | {"RAYS": rays}
+    first, chooses = state | {"RAYS": rays}, {"CHOOSES_PIXELS": int(settings.is_adaptive)}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
     classes = state | {name: switches[name] for name in ("HAS_VOLUME", "HAS_AIRLIGHT", "HAS_CURVES", "SAMPLING")}
     programs = {
         **({"sky": Program.of("trace/sky.frag", sky | {"HAS_FOG": 0}),
-            "begin sums": Program.of("trace/begin_sums.frag", state | {"BACKGROUND": switches["BACKGROUND"]}),
+            "begin sums": Program.of("trace/begin_sums.frag", state | chooses | {"BACKGROUND": switches["BACKGROUND"]}),
             } if has_sky else {}),
         "zero": Program.of("trace/zero.frag", {}),
-        "begin": Program.of("trace/generate.frag", first | {"BEGINS": 1, "HAS_SKY": int(has_sky)}),
+        "begin": Program.of("trace/generate.frag", first | chooses | {"BEGINS": 1, "HAS_SKY": int(has_sky)}),
         **({"track": Program.of("trace/track.frag", classes)} if switches["HAS_GRIDS"] else {}),
         "classify": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 0}),
         "finish": Program.of("trace/finish.frag", first | sky),
-        "generate": Program.of("trace/generate.frag", first | {"BEGINS": 0, "HAS_SKY": 0}),
+        "generate": Program.of("trace/generate.frag", first | {"BEGINS": 0, "HAS_SKY": 0, "CHOOSES_PIXELS": 0}),
         **{kind.name: Program.of(kind.file, switches | _switches_of(kind, settings, geometry))
            for kind in KINDS if kind in kinds},
         **{name: Program.of(f"trace/{name}.frag", switches) for name, switch in _MEDIA.items() if switches[switch]},

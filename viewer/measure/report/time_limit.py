@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...trace.paths.schedule import PILOT
+from ...trace.paths.schedule import LEAST
 from .ladder import Method
 from .pareto import BUDGETS_MS
 from .store import Record
@@ -27,11 +27,11 @@ def reason_against(method: Method, measured: Sequence[Measured], seconds_left: f
         return _unless_in_time(_growth(method, alike[-1][0]) * alike[-1][1].seconds, seconds_left) if alike else ""
     target = method.changes.get("error")
     if target is not None:
-        pilots = [record for other, record in measured if other.name == "path" and record.facts["spp"] >= PILOT]
+        pilots = [record for other, record in measured if other.name == "path" and record.facts["spp"] >= LEAST]
         if not pilots:
-            return f"the {PILOT} samples per pixel after which adaptive sampling begins take too long here"
+            return f"the {LEAST} samples per pixel after which an error may end a picture take too long here"
         # The error falls with the root of the number of samples.
-        factor = max((pilots[-1].facts["estimated_error"] / target) ** 2, PILOT / pilots[-1].facts["spp"])
+        factor = max((pilots[-1].facts["estimated_error"] / target) ** 2, LEAST / pilots[-1].facts["spp"])
         once = factor * _seconds(pilots[-1])
     elif alike:
         once = method.changes["spp"] / alike[-1][1].facts["spp"] * _seconds(alike[-1][1])
@@ -57,9 +57,9 @@ def longest(methods: Sequence[Method], measured: Sequence[Measured], seconds_lef
 
 
 def ends_before_adapting(method: Method, measured: Sequence[Measured]) -> bool:
-    """Whether an adaptive picture would reach its error with the first PILOT samples: it is that picture once more."""
+    """Whether an adaptive picture would reach its error with the first LEAST samples: it is that picture once more."""
     target = method.changes.get("error")
-    pilots = [record for other, record in measured if other.name == "path" and record.facts["spp"] == PILOT]
+    pilots = [record for other, record in measured if other.name == "path" and record.facts["spp"] == LEAST]
     return target is not None and bool(pilots) and pilots[0].facts["estimated_error"] <= target
 
 

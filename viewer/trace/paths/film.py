@@ -14,6 +14,7 @@ from ...gpu.over_picture import draw_over
 from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..layout import TILE
+from .distribution import deviation_around
 from .gathered import Gathered
 from .photon_sums import PhotonSums
 from .sky import UNIT_SKY, Sky
@@ -85,7 +86,7 @@ class Film:
         sky.texture.use(UNIT_SKY)
         set_uniform(program, "u_sky", UNIT_SKY)
         set_uniform(program, "u_size", self.size)
-        items = self._gl.buffer(np.asarray(work, np.int32))
+        items = self._gl.buffer(np.asarray([item[:4] for item in work], np.int32))
         array = self._gl.vertex_array(program, [(items, "4i4/i", "a_work")])
         array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(work))
         array.release()
@@ -163,6 +164,11 @@ class Film:
         """
         self._draw("error", self._estimated)
         return _read(self._estimated)
+
+    def deviation_around(self) -> np.ndarray:
+        """How noisy it is around each pixel, (H, W), row 0 at the bottom
+        (`viewer.trace.paths.distribution.deviation_around`)."""
+        return deviation_around(*(sums[::-1] for sums in self.read_sums()))
 
     def _draw(self, name: str, target: moderngl.Framebuffer) -> None:
         self._over_picture(name, target, dict(zip(_SAMPLERS, self._total.textures, strict=True)))

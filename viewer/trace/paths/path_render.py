@@ -60,7 +60,8 @@ class PathRender:
         context = passes.context
         maker = WavefrontMaker(context, plan, math.prod(film.tiles) * settings.most_spp, is_interactive)
         self._check_interval = maker.check_interval
-        self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs, is_sorted=plan.is_sorted))
+        self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs, is_sorted=plan.is_sorted,
+                                                         chooses=plan.chooses_pixels))
                             for _ in range(2)]
         self._photons: PhotonRender | None = None
         if photon_passes is not None and film.photon_sums is not None:
@@ -210,11 +211,15 @@ class PathRender:
         """The work items that are to be traced; the others are added to the film at once."""
         if self._sky is None:
             return work
-        bare = [item for item in work if self._sky.is_bare[item.tile_y, item.tile_x]]
+        bare: list[Work] = []
+        others: list[Work] = []
+        for item in work:
+            is_bare = item.pixels is None and self._sky.is_bare[item.tile_y, item.tile_x]
+            (bare if is_bare else others).append(item)
         if bare:
             self.film.add_sky(self._sky, bare)
-            self._count(np.array(bare))
-        return [item for item in work if not self._sky.is_bare[item.tile_y, item.tile_x]]
+            self._count(np.array([item[:4] for item in bare]))
+        return others
 
     def _collect(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         if not len(blocks):
@@ -223,13 +228,18 @@ class PathRender:
             wavefront.gathered.show(blocks)
         self.film.add(wavefront, blocks)
         wavefront.is_busy[blocks] = False
-        self._count(wavefront.work[blocks])
+        self._count(wavefront.work[blocks], None if wavefront.chosen is None else wavefront.chosen[blocks])
 
-    def _count(self, work: np.ndarray) -> None:
-        """Count the samples of work items, (N, 4), that are in the film."""
+    def _count(self, work: np.ndarray, chosen: np.ndarray | None = None) -> None:
+        """Count the samples of work items, (N, 4), that are in the film; they are for the pixels `chosen` (N, TILE,
+        TILE)."""
         tiles, samples = work[:, :2].astype(np.int64), work[:, 3].astype(np.int64)
         inside = np.minimum(np.array(self.film.size) - TILE * tiles, TILE)
-        self._expected_samples += int((inside.prod(axis=1) * samples).sum())
+        pixels = inside.prod(axis=1)
+        if chosen is not None:
+            pixels = np.minimum(pixels, chosen.sum(axis=(1, 2)))  # all, or only pixels inside
+        self._expected_samples += int((pixels * samples).sum())
+        self._schedule.collected = self._expected_samples
         self._is_developed, self._shown = False, None
 
     @property

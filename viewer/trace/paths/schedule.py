@@ -1,9 +1,10 @@
-"""The schedule: how many samples each tile gets next.
+"""The schedule: which pixels get how many samples next.
 
-Without a target error or a time budget, each pixel gets exactly `spp` samples. With one, all pixels get 64 samples
-first, the pilot; from then on tiles get different numbers. To decide from the samples that also make the picture has a
-small bias: a tile that has missed the light by chance looks finished too early. Three rules keep the bias small: the
-pilot comes first, the variance is pooled over the 256 pixels of a tile, and the noise of neighbouring tiles counts.
+Without a target error or a time budget, each pixel gets exactly `spp` samples. With one, all pixels get 16 samples
+first, the pilot; from then on pixels get different numbers (viewer/trace/paths/distribution.py), which do not depend on
+their own samples. To stop by the error of samples that also make the picture has a small bias: a tile that has missed
+the light by chance looks finished too early. Three rules keep that bias small: each pixel gets 64 samples first, the
+variance is pooled over the 256 pixels of a tile, and the noise of neighbouring tiles counts.
 """
 
 from __future__ import annotations
@@ -16,20 +17,22 @@ import numpy as np
 
 from ...settings import Settings
 from ..layout import TILE
+from .distribution import MOST_GROWTH, allocate
 from .film import Film
 from .wavefront import SECOND, Work
 
-PILOT = 64
-"""Samples per pixel before tiles get different numbers."""
-GROWTH = 1.5
+PILOT = 16
+"""Samples per pixel before pixels get different numbers."""
+LEAST = 64
+"""Samples per pixel before a target error counts as met."""
+GROWTH = 4.0
 """Factor by which an adaptive round increases the total number of samples."""
 MAX_CHUNK, LONG_CHUNK = 4, 8
 """Most samples of one work item. Small items keep the blocks of a wavefront busy until its end. The longer ones are for
 pictures of a given number of samples whose tiles a wavefront holds all at once, where no item need wait for another."""
-MIN_COLLECTED = 0.75
+MIN_COLLECTED = 0.9
 """Part of the samples handed out that has to be in the film before the next adaptive round."""
-DEFENSIVE = 0.25
-"""Part of the mean deviation that is added to that of each tile, since a tile may underestimate its own."""
+_LARGEST = 1e30
 
 
 class Schedule:
@@ -46,13 +49,17 @@ class Schedule:
         self._pilot = min(self._most, PILOT) if self._is_adaptive else self._most
         columns, rows = film.tiles
         self._issued = np.full((rows, columns), first, np.int64)
-        self._pixels = np.outer(_sides(film.size[1], rows), _sides(film.size[0], columns))
+        self._given = np.full(film.size[::-1], first, np.int64)
+        """Samples of each pixel that were handed out, row 0 at the bottom."""
+        self._step = MAX_CHUNK * (2 if film.parts else 1)  # of a pixel's samples, as many for each part
         self._traced = traced
         self._rounds = 0
         self._chunk: int | None = None
         self._parts = np.zeros((2, rows, columns), np.int64)
         """Samples of each tile that were handed out for each part of the film, if it has parts."""
         self._queue: deque[Work] = deque()
+        self.collected = 0
+        """How many samples of all pixels together are in the film, or were left out of it."""
         self.done = False
 
     def next(self, count: int, is_last: bool) -> list[Work]:
@@ -63,10 +70,12 @@ class Schedule:
         """
         while len(self._queue) < count and self._plan_round(count, is_last and not self._queue):
             pass
-        work = [self._queue.popleft() for _ in range(min(count, len(self._queue)))]
+        work = [_for_pixels(self._queue.popleft()) for _ in range(min(count, len(self._queue)))]
         if self._film.parts:
             work = [self._of_part(item) for item in work]
-        self.done = not self._queue and (bool((self._issued >= self._most).all()) or (is_last and not work))
+        has_all = bool((self._issued >= self._most).all()) if not self._is_adaptive else (
+            int(self._given.sum()) >= self._most * self._given.size)
+        self.done = not self._queue and (has_all or (is_last and not work))
         return work
 
     def _of_part(self, item: Work) -> Work:
@@ -89,49 +98,95 @@ class Schedule:
             chunk = self._first_chunk(count)
             each = chunk * (1 if self._is_timed and not self._rounds else max(count // self._issued.size, 1))
             wanted = np.minimum(self._issued + each, self._pilot)
+            items = _for_all(self._issued, wanted, chunk)
+            self._issued = wanted
+            self._given[:] = wanted.max()  # tiles have equal numbers so far
         else:
-            chunk, wanted = MAX_CHUNK, self._adapt(is_last)
+            items = self._distributed(is_last)
+        # Tiles progress evenly: whenever the render is stopped, all have had about the same part of their samples.
+        self._queue.extend(work for _, work in sorted(items, key=itemgetter(0)))
         self._rounds += 1
-        has_more = bool((wanted > self._issued).any())
-        self._enqueue(wanted, chunk)
-        return has_more
+        return bool(items)
 
     def _first_chunk(self, count: int) -> int:
         """Samples of a work item, if one wavefront asks for so many items, before tiles get different numbers."""
         if self._film.parts and self._issued.min() < MAX_CHUNK:
             return 1  # so that both parts have as many of few samples
-        if self._traced is not None and not self._rounds and not self._is_adaptive and count >= self._issued.size:
-            left = self._most - int(self._issued.min())
+        if self._traced is not None and not self._rounds and not self._is_timed and count >= self._issued.size:
+            left = self._pilot - int(self._issued.min())
             self._chunk = min(max(-(-self._traced * left // (2 * count)), 1), LONG_CHUNK)  # fills two wavefronts
         return self._chunk or min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
 
-    def _adapt(self, is_last: bool) -> np.ndarray:
-        """The number of samples that each tile shall have, so as to lower the mean relative variance most."""
-        if self._issued.min() >= self._most:
-            return self._issued
+    def _distributed(self, is_last: bool) -> list[tuple[float, Work]]:
+        """Work for the pixels around which there is most noise, so as to lower the mean relative variance most. In the
+        place of its pixels it has the number of the sample before which each of them ends."""
+        total, limit = int(self._given.sum()), self._most * self._given.size
+        if not self._is_adaptive or total >= limit:
+            return []
+        if not is_last and self.collected < MIN_COLLECTED * total:
+            return []
         tiles = self._film.tile_errors().astype(np.float64)
-        if not is_last and tiles[..., 2].sum() < MIN_COLLECTED * (self._issued * self._pixels).sum():
-            return self._issued
-        one = tiles[..., 0] / np.maximum(tiles[..., 1], 1) * tiles[..., 2] / tiles[..., 3]  # variance of one sample
-        variance = dilated(np.nan_to_num(one, nan=0.0, posinf=1e30))
-        most = np.full(self._issued.shape, float(self._most))
+        deviation = self._film.deviation_around()
+        most = MOST_GROWTH * self._given.astype(np.float64)
         if self._target is not None:
-            most = np.minimum(np.ceil(variance / self._target**2), most)
-        deviation = np.sqrt(variance)
-        deviation += DEFENSIVE * deviation.mean()
-        return allocate(deviation, self._pixels, self._issued, most, GROWTH * (self._issued * self._pixels).sum())
+            most = np.minimum(most, self._needed(tiles, deviation, self._target))
+        more = allocate(deviation, self._given, most, min(GROWTH * total, limit), self._step)
+        self._given += more
+        by_tile, items = self._by_tile(more), []
+        for row, column in np.argwhere(by_tile.any(axis=(2, 3))).tolist():
+            own, first = by_tile[row, column], int(self._issued[row, column])
+            parts = int(own.max()) // MAX_CHUNK
+            ends = np.where(own > 0, first + own, 0)
+            items += [((k + 0.5) / parts, Work(column, row, first + k * MAX_CHUNK, MAX_CHUNK, ends))
+                      for k in range(parts)]
+            self._issued[row, column] += parts * MAX_CHUNK
+        return items
 
-    def _enqueue(self, wanted: np.ndarray, chunk: int) -> None:
-        items = []
-        for row, column in np.argwhere(wanted > self._issued).tolist():
-            first, last = int(self._issued[row, column]), int(wanted[row, column])
-            parts = -(-(last - first) // chunk)
-            bounds = [first + (last - first) * k // parts for k in range(parts + 1)]
-            items += [((k + 0.5) / parts, Work(column, row, low, high - low))
-                      for k, (low, high) in enumerate(pairwise(bounds))]
-        # Tiles progress evenly: whenever the render is stopped, all have had about the same part of their samples.
-        self._queue.extend(work for _, work in sorted(items, key=itemgetter(0)))
-        self._issued = wanted
+    def _needed(self, tiles: np.ndarray, deviation: np.ndarray, target: float) -> np.ndarray:
+        """How many samples of each pixel, (H, W), the target takes, if a tile's are in proportion to `deviation`.
+
+        A tile's error is that of the film. That the variance of each sample is c deviation^2, with one c for a tile, is
+        only a guess by which it gets there; the next round corrects it.
+        """
+        variance = tiles[..., 0] / np.maximum(tiles[..., 1], 1)
+        least = np.maximum(self._given, LEAST)
+        mean, square, now, soon = (self._by_tile(values).sum(axis=(2, 3)) / tiles[..., 3] for values in (
+            deviation, deviation**2, deviation**2 / self._given, deviation**2 / least))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            one = np.nan_to_num(variance / now * square, nan=0.0, posinf=_LARGEST)  # variance of a sample of the tile
+            worst = dilated(one)
+            factor = np.nan_to_num(worst / square * mean / target**2, nan=0.0)
+        factor[worst * soon <= target**2 * square] = 0.0
+        height, width = deviation.shape
+        needed = np.maximum(np.repeat(np.repeat(factor, TILE, 0), TILE, 1)[:height, :width] * deviation, LEAST)
+        return self._given + np.ceil((needed - self._given) / self._step) * self._step
+
+    def _by_tile(self, pixels: np.ndarray) -> np.ndarray:
+        """A picture, (H, W), as (rows, columns, TILE, TILE), with zeros outside."""
+        rows, columns = self._issued.shape
+        padded = np.pad(pixels, [(0, -side % TILE) for side in pixels.shape])
+        return padded.reshape(rows, TILE, columns, TILE).swapaxes(1, 2)
+
+
+def _for_all(issued: np.ndarray, wanted: np.ndarray, chunk: int) -> list[tuple[float, Work]]:
+    """Work items of at most `chunk` samples for all pixels of the tiles, each with the part of the tile's samples that
+    is done in its middle."""
+    items = []
+    for row, column in np.argwhere(wanted > issued).tolist():
+        first, last = int(issued[row, column]), int(wanted[row, column])
+        parts = -(-(last - first) // chunk)
+        bounds = [first + (last - first) * k // parts for k in range(parts + 1)]
+        items += [((k + 0.5) / parts, Work(column, row, low, high - low)) for k, (low, high) in
+                  enumerate(pairwise(bounds))]
+    return items
+
+
+def _for_pixels(item: Work) -> Work:
+    """With the pixels that do not end before it, as `Schedule._distributed` has them."""
+    if item.pixels is None:
+        return item
+    pixels = item.pixels > item.first
+    return item._replace(pixels=None if pixels.all() else pixels)
 
 
 def dilated(variance: np.ndarray) -> np.ndarray:
@@ -143,24 +198,3 @@ def dilated(variance: np.ndarray) -> np.ndarray:
     rows, columns = variance.shape
     around = np.max([padded[y:y + rows, x:x + columns] for y in range(3) for x in range(3)], axis=0)
     return np.maximum(variance, around / 4)
-
-
-def allocate(deviation: np.ndarray, pixels: np.ndarray, least: np.ndarray, most: np.ndarray,
-              total: float) -> np.ndarray:
-    """Neyman allocation: the number of samples of each tile, in proportion to its `deviation`.
-
-    The numbers are between `least` and `most`. Summed over tiles with `pixels` pixels each they are about `total`, or
-    as near to it as `most` allows. This minimises the sum of deviation^2 / samples (Neyman 1934).
-    """
-    most = np.maximum(least, most)
-    low, high = 0.0, float((most[deviation > 0] / deviation[deviation > 0]).max(initial=0.0))
-    for _ in range(60):
-        middle = (low + high) / 2
-        too_many = (np.clip(middle * deviation, least, most) * pixels).sum() > total
-        low, high = (low, middle) if too_many else (middle, high)
-    return np.ceil(np.clip(high * deviation, least, most) - 1e-6).astype(np.int64)
-
-
-def _sides(size: int, tiles: int) -> np.ndarray:
-    """Width or height of each tile in pixels."""
-    return np.minimum(size - TILE * np.arange(tiles), TILE)

@@ -25,8 +25,10 @@ SUMS, LAYERS = 2, 3
 """Number of textures to which the passes finish and layers add."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
 UNIT_ALONG, UNIT_FLIGHT = 19, 20  # beyond those of viewer/trace/paths/surface_rays.py
+UNIT_CHOSEN = 27  # beyond those of viewer/trace/paths/arrangement.py
 UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {
-    "u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS, "u_along": UNIT_ALONG, "u_flight": UNIT_FLIGHT} | ARRANGED
+    "u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS, "u_along": UNIT_ALONG, "u_flight": UNIT_FLIGHT,
+    "u_chosen": UNIT_CHOSEN} | ARRANGED
 """Uniforms of shaders/trace/state.glsl and the texture units of `Wavefront.bind`."""
 
 
@@ -35,12 +37,14 @@ SECOND = 1 << 23
 
 
 class Work(NamedTuple):
-    """A work item: `samples` samples (at most 1023), from number `first` on, of each pixel of a tile."""
+    """A work item: `samples` samples (at most 1023), from number `first` on, of each pixel of a tile, or only of its
+    `pixels`, (TILE, TILE), row 0 at the bottom."""
 
     tile_x: int
     tile_y: int
     first: int
     samples: int
+    pixels: NDArray[np.bool_] | None = None
 
 
 class Sums:
@@ -68,7 +72,7 @@ class Wavefront:
     for each block, in one texel, whether any of its paths is not idle.
     With `is_sorted` an `arrangement` says where the paths lie; else each lies in the texel of its block and pixel.
     `work`, (blocks, 4) int32, has the work items of the blocks, as in `Work`. `is_busy`, (blocks,), says which of them
-    may not be done yet.
+    may not be done yet. With `chooses`, `chosen`, (blocks, TILE, TILE), says which pixels the work of a block is for.
     """
 
     origin: moderngl.Texture
@@ -81,7 +85,7 @@ class Wavefront:
 
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
                  has_along: bool = False, has_grids: bool = False, sees_backs: bool = False,
-                 is_sorted: bool = False) -> None:
+                 is_sorted: bool = False, chooses: bool = False) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows
         self.sees_backs = sees_backs
@@ -116,6 +120,10 @@ class Wavefront:
         """The first row, and the number of rows, of a sorted wavefront that have the paths of work assigned last."""
         self.work = np.zeros((columns * rows, 4), np.int32)
         self.is_busy = np.zeros(columns * rows, bool)
+        self.chosen = np.ones((columns * rows, TILE, TILE), bool) if chooses else None
+        self._chosen = gl.texture(self.size, 1, alignment=1) if chooses else None
+        if self._chosen is not None:
+            self._chosen.filter = moderngl.NEAREST, moderngl.NEAREST
 
     def __getattr__(self, name: str) -> moderngl.Texture:
         if name not in STATE:
@@ -182,9 +190,15 @@ class Wavefront:
         """Give a work item to each of the blocks with these numbers."""
         if self.arrangement is not None:
             self.begun_rows = self.arrangement.begin(blocks)
-        self.work[blocks] = np.asarray(work, np.int32).reshape(-1, 4)
+        self.work[blocks] = np.asarray([item[:4] for item in work], np.int32).reshape(-1, 4)
         self.is_busy[blocks] = True
         self._work_items.write(self.work)
+        if self.chosen is not None and self._chosen is not None:
+            for block, item in zip(blocks.tolist(), work, strict=True):
+                self.chosen[block] = True if item.pixels is None else item.pixels
+            columns, rows = self.grid
+            texels = self.chosen.reshape(rows, columns, TILE, TILE).swapaxes(1, 2)
+            self._chosen.write((texels * np.uint8(255)).tobytes())
 
     def bind(self) -> None:
         """Bind the present state, the hits and the work items to the units in `UNITS`."""
@@ -203,8 +217,10 @@ class Wavefront:
             texture.use(unit)
 
     def bind_blocks(self) -> None:
-        """Bind only the work items of the blocks."""
+        """Bind only the work items of the blocks, and which pixels they are for."""
         self._work_items.use(UNIT_BLOCKS)
+        if self._chosen is not None:
+            self._chosen.use(UNIT_CHOSEN)
 
     def draw_blocks(self, program: moderngl.Program, blocks: np.ndarray) -> None:
         """Draw a square for each block, with a program whose vertex shader takes `a_block`."""
@@ -216,7 +232,7 @@ class Wavefront:
     def release(self) -> None:
         for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.classes.depth_attachment,
                       self.classes, self.hit, self.along, self.tracked, *self._along_volumes,
-                      self._work_items, *self._arrays.values(), self._block_numbers, self.arrangement, self.gathered,
-                      *self.alive.color_attachments, self.alive, self.sums, self.layers):
+                      self._work_items, self._chosen, *self._arrays.values(), self._block_numbers, self.arrangement,
+                      self.gathered, *self.alive.color_attachments, self.alive, self.sums, self.layers):
             if thing is not None:
                 thing.release()

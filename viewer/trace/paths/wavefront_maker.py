@@ -28,7 +28,8 @@ class WavefrontMaker:
         self._rows = min(math.ceil(blocks / self._columns / 2), self._columns)
         self.check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
 
-    def make(self, has_layers: bool = False, sees_backs: bool = False, is_sorted: bool = False) -> Wavefront:
+    def make(self, has_layers: bool = False, sees_backs: bool = False, is_sorted: bool = False,
+             chooses: bool = False) -> Wavefront:
         plan = self._plan
         return Wavefront(self._context, self._columns, self._rows, plan.has_transmission, has_layers,
-                         plan.has_along, plan.has_grids, sees_backs, is_sorted)
+                         plan.has_along, plan.has_grids, sees_backs, is_sorted, chooses)
