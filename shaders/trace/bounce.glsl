@@ -90,7 +90,7 @@ bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pd
     p.throughput *= weight;
     float survival = max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2;
     if (!(survival > 0.0)) return false;
-    if (p.depth >= (PHOTONS == 1 ? 3 : 2)) { // a photon's throughput is the power of lamps and no share of it
+    if (p.depth >= (PHOTONS == 1 ? 3 : 2)) { // of photons, mirrors show what comes later
         survival = min(survival / ENDURES, most);
         if (u >= survival) return false;
         p.throughput /= survival;

@@ -60,7 +60,8 @@ def passes() -> list[Sources]:
     for background in (0, 1, 2):
         defines = shader_defines(_SKY | {"BACKGROUND": background})
         programs += [_program("trace/film/sky.vert", "trace/film/sky.frag", defines),
-                     _program("trace/blocks.vert", "trace/begin_sums.frag", defines),
+                     *(_program("trace/blocks.vert", "trace/begin_sums.frag", defines | {"CHOOSES_PIXELS": chooses})
+                       for chooses in (0, 1)),
                      _program(_FULLSCREEN, "trace/sky.frag", defines | {"HAS_ENVIRONMENT": int(background > 0)})]
     programs += [_program(f"raster/{name}.vert", f"raster/{name}.frag", {}) for name in ("line", "grid", "triangles")]
     return [*programs, _program("app/gui.vert", "app/gui.frag", {})]
