@@ -1,6 +1,8 @@
-"""Approximates an environment by directional lights, whose directions are importance-sampled from it.
+"""Approximates an environment by directional lights: one in the middle of each of its parts, with all light of that.
 
-Agarwal et al. 2003, "Structured Importance Sampling of Environment Maps".
+As in Agarwal et al. 2003, "Structured Importance Sampling of Environment Maps", each part is what one of the lights is
+nearest to. Here importance sampling only says where the lights begin. Each then moves to the middle of its part, a few
+times (Lloyd 1982, "Least Squares Quantization in PCM").
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ from .prefilter import MARGIN
 UNIFORM_FRACTION = 0.3
 """The fraction of the lights that is spread uniformly over the sphere, for surfaces that see only dark parts of the
 map."""
+_ROUNDS = 4
+"""How often the lights move."""
 _GOLDEN = (np.sqrt(5) - 1) / 2
 
 
@@ -24,9 +28,9 @@ class ManyLights:
     directions: np.ndarray
     """Unit vectors to the lights, (N, 3) float64, without the environment's rotation."""
     irradiance: np.ndarray
-    """The irradiance of a surface that faces the light, (N, 3) float64: radiance / (probability density * N)."""
+    """The irradiance of a surface that faces the light, (N, 3) float64."""
     solid_angles: np.ndarray
-    """That of the sphere which each light stands for, (N,) float64: 1 / (probability density * N)."""
+    """That of the sphere which each light stands for, (N,) float64; 0 where others are nearer to all of it."""
 
 
 def uniform_lights(count: int, radiance: ArrayLike) -> ManyLights:
@@ -39,27 +43,52 @@ def uniform_lights(count: int, radiance: ArrayLike) -> ManyLights:
 
 
 def many_lights(level: np.ndarray, count: int) -> ManyLights:
-    """`count` lights sampled from a level of an environment's mip chain (H, W, 3), which has a margin at the poles.
+    """`count` lights for a level of an environment's mip chain (H, W, 3), which has a margin at the poles; H and W are
+    even.
 
-    The sampling is deterministic: a golden-ratio lattice is warped by the map's luminance, first over the rows and then
-    within a row.
+    They begin where a golden-ratio lattice is warped to by the map's luminance, first over the rows and then within a
+    row.
     """
-    height, width = level.shape[:2]
-    radiance = level.astype(np.float64)
-    edges = np.pi * np.clip((np.arange(height + 1) / height - MARGIN) / (1 - 2 * MARGIN), 0, 1)
-    heights = np.cos(edges[:-1]) - np.cos(edges[1:])  # 0 for rows beyond the poles
+    height, width = level.shape[0] // 2, level.shape[1] // 2
+    # Two by two texels are one here: the lights are no nearer to the parts, and are found in a third of the time.
+    radiance = level.reshape(height, 2, width, 2, 3).mean(axis=(1, 3), dtype=np.float64)
+    cosines = np.cos(np.pi * np.clip((np.arange(height + 1) / height - MARGIN) / (1 - 2 * MARGIN), 0, 1))
+    heights = cosines[:-1] - cosines[1:]  # 0 for rows beyond the poles
     luminance = radiance @ LUMINANCE
     mean = heights @ luminance.mean(axis=1) / heights.sum()
     density = ((1 - UNIFORM_FRACTION) * luminance + UNIFORM_FRACTION * mean) if mean > 0 else np.ones_like(luminance)
-    rows = heights * density.mean(axis=1)
-    _, row, rest = _warp(rows[None], np.zeros(count, int), (np.arange(count) + 0.5) / count)
-    x, column, _ = _warp(density, row, (np.arange(count) + 0.5) * _GOLDEN % 1)
-    cos_theta = np.cos(edges[row]) - rest * heights[row]
-    sin_theta = np.sqrt(np.maximum(1 - cos_theta**2, 0))
-    phi = 2 * np.pi * (x / width - 0.5)
-    directions = np.stack([sin_theta * np.cos(phi), cos_theta, sin_theta * np.sin(phi)], axis=1)
-    pdf = density[row, column] / (2 * np.pi * rows.sum())
-    return ManyLights(directions, radiance[row, column] / (pdf * count)[:, None], 1 / (pdf * count))
+    _, row, rest = _warp((heights * density.mean(axis=1))[None], np.zeros(count, int), (np.arange(count) + 0.5) / count)
+    x, _, _ = _warp(density, row, (np.arange(count) + 0.5) * _GOLDEN % 1)
+    directions = _directions(cosines[row] - rest * heights[row], x / width)
+
+    texels = _directions((0.5 * (cosines[:-1] + cosines[1:]))[:, None], (np.arange(width) + 0.5) / width)
+    solid_angles = np.broadcast_to(heights[:, None] * (2 * np.pi / width), luminance.shape)
+    weighted = (solid_angles * density)[..., None] * texels
+    for _ in range(_ROUNDS):
+        sums = _sums(weighted, _nearest(texels, directions), count)
+        lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+        directions = np.where(lengths > 0, sums / np.maximum(lengths, 1e-300), directions)
+    nearest = _nearest(texels, directions)
+    return ManyLights(directions, _sums(solid_angles[..., None] * radiance, nearest, count),
+                      _sums(solid_angles[..., None], nearest, count)[:, 0])
+
+
+def _directions(cosine: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Unit vectors (..., 3) by the cosine of the angle from +Y, and by the column in the map, 0 to 1."""
+    sine, phi = np.sqrt(np.maximum(1 - cosine**2, 0)), 2 * np.pi * (u - 0.5)
+    return np.stack(np.broadcast_arrays(sine * np.cos(phi), cosine, sine * np.sin(phi)), axis=-1)
+
+
+def _nearest(texels: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """The number of the light that is nearest to each of the texels, (H, W)."""
+    to_lights = directions.T.astype(np.float32)
+    return np.stack([np.argmax(row @ to_lights, axis=1) for row in texels.astype(np.float32)])
+
+
+def _sums(values: np.ndarray, nearest: np.ndarray, count: int) -> np.ndarray:
+    """The sums of the values (H, W, K) of each light's texels, (count, K)."""
+    return np.stack([np.bincount(nearest.ravel(), channel.ravel(), count) for channel in np.moveaxis(values, -1, 0)],
+                    axis=1)
 
 
 def _warp(weights: np.ndarray, row: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
