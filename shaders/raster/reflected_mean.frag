@@ -17,12 +17,15 @@ uniform sampler2D u_positions;
 uniform sampler2D u_normals;
 uniform sampler2D u_hit_radiance, u_environment; // means over each pixel's rays: reflected_light.frag
 
-out vec4 o_reflected; // rgb: radiance from the model, a: part of the environment's light that it occludes
+// rgb: radiance from the model, a: part of the environment's light that it occludes
+layout(location = 0) out vec4 o_reflected;
+layout(location = 1) out vec4 o_place; // position; w: the shading normal, packed
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy), last = textureSize(u_hit_radiance, 0) - 1;
     vec4 here = texelFetch(u_positions, pixel, 0);
-    vec3 n = from_octahedron(texelFetch(u_normals, pixel, 0).xy);
+    vec2 normal = texelFetch(u_normals, pixel, 0).xy;
+    vec3 n = from_octahedron(normal);
     float alpha = here.w * here.w;
     vec3 radiance = vec3(0.0);
     vec4 environment = vec4(0.0);
@@ -42,4 +45,5 @@ void main() {
     vec2 seen = environment.yz / max(environment.xw, 1e-20); // of the light, of the rays
     float part = environment.x > 0.0 ? min(seen.x, MOST * seen.y) : 1.0;
     o_reflected = vec4(radiance / max(environment.w, 1e-20), 1.0 - part);
+    o_place = vec4(here.xyz, pack_octahedron(normal));
 }

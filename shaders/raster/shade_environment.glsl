@@ -111,7 +111,8 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #endif
     meet_other_surfaces(p.NoV, mean_alpha(s), occlusion, visible, specular, mean_light);
 #if TRACED_REFLECTION
-    vec4 hit = traced_reflection(v_position, p.n_geometric); // rgb: radiance, a: fraction of rays that hit
+    // rgb: radiance, a: fraction of rays that hit
+    vec4 hit = traced_reflection(v_position, p.n_geometric, shading_normal(p.n_geometric));
     float traced = traced_share(view.perceptual_roughness);
 #if GROOVED
     traced *= s.alpha / s.alpha_t; // one ray cannot stand for a stretched lobe

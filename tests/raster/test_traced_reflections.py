@@ -114,6 +114,20 @@ def test_rays_of_a_kept_picture_cover_a_lobe_with_few_steps(radiance, monkeypatc
     assert 0 < kept < 0.4 * few
 
 
+@pytest.mark.parametrize("antialias", ["msaa-4", "deferred-4"])
+def test_samples_at_an_edge_do_not_take_rays_from_the_other_side_of_it(radiance, antialias):
+    """All is dark: a black plate that reflects 0.04, beyond its edge a mirror seen at a grazing angle, and a backdrop
+    that it mirrors. The plate's rays see the environment: where they stood for the mirror's, the edge would be 0.3."""
+    black = Material(base_color=(0.0, 0.0, 0.0, 1.0), metallic=0.0, perceptual_roughness=0.5)
+    edge = 0.01  # a quarter of a pixel to the right of the middle one's centre
+    away = np.array([[0, 0, 1, edge], [0, 1, 0, 0], [-1, 0, 0, -1], [0, 0, 0, 1.0]])
+    ridge = scene((plate(0), moved((edge - 1, 0, 0))), (plate(1), away), (plate(0, half=1.5), moved((1, 0, -2.5))),
+                  materials=[black, MIRROR], environment=constant())
+    picture = radiance(ridge, orthographic(0.08, 0.0, height=1.0), (25, 24), reflections="traced", background="none",
+                       antialias=antialias)
+    assert 0.03 < picture[..., :3].max() < 0.05
+
+
 def test_a_frame_of_a_moving_camera_has_one_ray_a_point(renderer, monkeypatch):
     counts, begin = [], traced_reflections._Rays.begin
     monkeypatch.setattr(traced_reflections._Rays, "begin", lambda rays, programs, frame, number, count: (

@@ -59,7 +59,7 @@ class TracedReflections:
             rays.shade(self._programs, frame, uniforms, surfaces, number, count)
         rays.average(self._programs, frame)
         rays.reflected.use(UNIT_REFLECTED)
-        gbuffer.positions.use(UNIT_RAY_POSITIONS)
+        rays.places.use(UNIT_RAY_POSITIONS)
         return {"u_reflected": UNIT_REFLECTED, "u_ray_positions": UNIT_RAY_POSITIONS}
 
     def release(self) -> None:
@@ -70,7 +70,8 @@ class TracedReflections:
 class _Rays(WholeTextures):
     """The textures that `viewer.trace.rays.intersect.WavefrontTextures` describes, one path per G-buffer pixel.
 
-    `hit_radiance` and `environment` are the means over a pixel's rays, `reflected` is their filtered mean.
+    `hit_radiance` and `environment` are the means over a pixel's rays, `reflected` is their filtered mean, and `places`
+    are where it was found.
     """
 
     def __init__(self, gl: moderngl.Context, gbuffer: GBuffer) -> None:
@@ -80,10 +81,11 @@ class _Rays(WholeTextures):
         self.hit = nearest_texture(gl, gbuffer.size, "u4")
         self.hit_radiance, self.environment, self.reflected = (
             nearest_texture(gl, gbuffer.size, "f2") for _ in range(3))
+        self.places = nearest_texture(gl, gbuffer.size, "f4")
         no_shadow = gl.framebuffer([self.shadow_vector])
         no_shadow.clear()
         no_shadow.release()
-        targets = (self.origin, self.direction), (self.hit_radiance, self.environment), (self.reflected,)
+        targets = (self.origin, self.direction), (self.hit_radiance, self.environment), (self.reflected, self.places)
         self._targets = [gbuffer.target(*textures) for textures in targets]
 
     def begin(self, programs: Programs, frame: Frame, number: int, count: int) -> None:
@@ -127,5 +129,5 @@ class _Rays(WholeTextures):
 
     def release(self) -> None:
         for thing in (*self._targets, self.origin, self.direction, self.shadow_vector, self.hit,
-                      self.hit_radiance, self.environment, self.reflected):
+                      self.hit_radiance, self.environment, self.reflected, self.places):
             thing.release()
