@@ -16,8 +16,8 @@ from ...image.neighbours import EPSILON, box
 
 REACH = 3
 """The pixels around are those of a square of 2 REACH + 1 pixels."""
-DEFENSIVE = 0.5
-"""Part of the mean deviation that is added to that of each pixel: those around may not know of its noise."""
+DEFENSIVE = 1.0
+"""How often the mean deviation is added to that of each pixel: those around may not know of its noise."""
 MOST_GROWTH = 16
 """Factor by which a round increases the samples of a pixel at most."""
 _LARGEST = 1e30
@@ -25,7 +25,7 @@ _LARGEST = 1e30
 
 def deviation_around(total: NDArray, squares: NDArray) -> NDArray[np.float64]:
     """The relative standard deviation of one sample, (H, W), as the pixels around each tell it, from the sums of a film
-    (`viewer.trace.paths.film.Film.read_sums`), and a part of the mean of the picture.
+    (`viewer.trace.paths.film.Film.read_sums`), and the mean of the picture.
 
     It is the mean deviation over (mean^2 + 0.01)^(1/2), averaged over the channels. The mean deviation and not the root
     of the mean variance: one lucky sample counts less in it. Pixels without two samples tell nothing; where there are
