@@ -118,8 +118,8 @@ float depth_to_outside(LightAround a, vec3 d, float sine) {
 // twice that, the strips end before they part. d and wo are in the frame of the fibre.
 float depth_where_seen(LightAround a, mat3 frame, vec3 d, vec3 wo) {
     float depth = depth_to_outside(a, frame * d, d.x), both = min(depth, depth_to_outside(a, frame * wo, wo.x));
-    float shared = a.filled / PI * (length(d.yz) + d.z) / max(abs(d.y), 1e-4);
-    return depth - (both < 2.0 * shared ? both - both * both / (4.0 * shared) : shared);
+    float overlap = a.filled / PI * (length(d.yz) + d.z) / max(abs(d.y), 1e-4);
+    return depth - (both < 2.0 * overlap ? both - both * both / (4.0 * overlap) : overlap);
 }
 #endif
 
