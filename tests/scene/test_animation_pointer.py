@@ -149,6 +149,21 @@ def test_nodes_and_weights():
     assert len(scene.animations) == 1 and len(scene.warnings) == 2
 
 
+def test_what_is_ignored_of_a_camera_at_rest_is_left_out_in_silence():
+    perspective, orthographic = {"yfov": 1, "znear": 0.1}, {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}
+    moves = [(f"/cameras/0/perspective/{key}", [1, 2]) for key in ("aspectRatio", "zfar")]
+    moves += [(f"/cameras/1/orthographic/{key}", [1, 2]) for key in ("xmag", "znear", "zfar")]
+    builder = pointing(moves, cameras=[{"type": "perspective", "perspective": perspective},
+                                       {"type": "orthographic", "orthographic": orthographic}])
+    builder.node(mesh=builder.triangle())
+    builder.node(camera=0)
+    builder.node(camera=1)
+    scene = builder.load()
+    assert scene.animations == () and scene.warnings == ()
+    add_animation(builder, [("/cameras/0/orthographic/xmag", [1, 2])])
+    assert len(builder.load().warnings) == 1, "a perspective has none"
+
+
 @pytest.mark.parametrize("pointer", [
     "/materials/7/alphaCutoff", "/materials/1/extensions/KHR_materials_ior/ior", "/materials/1/normalTexture/scale",
     "/materials/1/name", "/nodes/99/translation", "/nodes/0/colour", "/nodes/-1/scale", "/nodes/01/scale", "nonsense",

@@ -14,8 +14,8 @@ from .element import Element
 def read_camera(element: Element, world: np.ndarray, name: str) -> Camera | None:
     """The camera of a node with the world matrix `world` (4, 4); None, with a warning, if it could show nothing.
 
-    The file's aspect ratio and far plane are ignored: the picture defines the first, and the scene the second. The
-    file's near plane becomes `Camera.near`.
+    The file's aspect ratio, `xmag` and far plane are ignored: the picture defines the first two, and the scene the
+    last. The near plane of a perspective becomes `Camera.near`; that of an orthographic camera is ignored, too.
     """
     pose = camera_pose(world)
     kind = element.string("type")

@@ -23,7 +23,7 @@ _STRENGTH = "extensions/KHR_materials_emissive_strength/emissiveStrength"
 class Property:
     """A property of a kind of things: its name in `Target`, the type of its values, and how many numbers they have.
     `needs` is the JSON object, below the thing, without which the file does not have it, and `unless` the one that
-    takes its place.
+    takes its place. A property without a name is one that no picture depends on.
     """
 
     name: str
@@ -81,7 +81,9 @@ _CAMERA = {
     "perspective/yfov": Property("fov_y", "SCALAR", 1, "perspective"),
     "perspective/znear": Property("near", "SCALAR", 1, "perspective"),
     "orthographic/ymag": Property("ymag", "SCALAR", 1, "orthographic"),
-}
+} | {f"{kind}/{key}": Property("", "SCALAR", 1, kind)  # what cameras.py ignores
+     for kind, keys in (("perspective", ("aspectRatio", "zfar")), ("orthographic", ("xmag", "znear", "zfar")))
+     for key in keys}
 _NODE = {
     "translation": Property("translation", "VEC3", 3), "rotation": Property("rotation", "VEC4", 4),
     "scale": Property("scale", "VEC3", 3), "weights": Property("weights", "SCALAR", 0),
@@ -102,6 +104,7 @@ class Pointers:
 
     def resolve(self, pointer: str) -> tuple[list[Target], Property] | None:
         """The targets of a pointer and what they take; None if the file has nothing there, or nothing that is drawn.
+        There are no targets if no node shows the thing, or no picture depends on its property.
 
         The weights of a mesh are those of all nodes that show it and have none of their own.
         """
@@ -118,6 +121,8 @@ class Pointers:
             if (found is None or (found.needs and not isinstance(_at(items[number], found.needs), dict))
                     or (found.unless and isinstance(_at(items[number], found.unless), dict))):
                 return None
+            if not found.name:
+                return [], found
             if found.name.startswith("weights"):
                 mesh = number if kind == "mesh" else self._meshes[number]
                 if self._target_counts.get(mesh, 0) <= (int(weight[1]) if weight else 0):
