@@ -47,9 +47,9 @@ def test_the_plan_follows_the_settings():
 
 def test_text_has_a_line_for_each_fact():
     text = format_facts({"name": "a", "size_m": 0.25, "none": [], "box": [[1.0, 2.0], [3.0, 4.0]],
-                         "list": ["x", {"k": 1}], "table": {"inner": 1.23456789}})
+                         "list": ["x", {"k": 1}, ""], "table": {"inner": 1.23456789}})
     assert text.splitlines() == ["name: a", "size m: 0.25", "none: none", "box: 1  2  3  4",
-                                 "list:", "  - x", "  - k 1", "table:", "  inner: 1.23457"]
+                                 "list:", "  - x", "  - k 1", "  - (unnamed)", "table:", "  inner: 1.23457"]
 
 
 def test_every_setting_is_listed_with_its_choices():

@@ -130,7 +130,7 @@ def format_facts(facts: Facts, indent: str = "") -> str:
             lines += [f"{label}:", format_facts(value, indent + "  ")]
         elif isinstance(value, list) and any(isinstance(item, (str, dict)) for item in value):
             lines.append(f"{label}:")
-            lines += [f"{indent}  - {_one_line(item)}" for item in value]
+            lines += [f"{indent}  - {_one_line(item) or '(unnamed)'}" for item in value]
         else:
             lines.append(f"{label}: {_one_line(value)}")
     return "\n".join(lines)
