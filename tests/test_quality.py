@@ -129,6 +129,7 @@ def test_auto_is_a_draft_where_somebody_chooses_by_hand_and_where_no_light_is_sh
         quality = auto(**settings)
         assert quality.name == "draft" and quality.reason == f"{next(iter(settings))} chosen by hand"
         assert quality.applied(Settings.of(**settings)) == Settings.of(**settings)
+    assert auto(refraction="traced").name == "standard"  # ROOM has no solid glass: the picture is the same
     assert auto(show="normal").reason == "no light is shown"
     assert not auto(mode="path").facts(Settings(mode="path"))
 

@@ -48,8 +48,8 @@ class Quality:
            size: tuple[int, int]) -> Quality:
         """The point `name`; for auto, and for None, the one that a picture of `scene` with `size` pixels takes.
 
-        Auto is draft where settings of the points are given, since somebody chooses by hand, and where no light is
-        shown. Raises UsageError for a name that no point has.
+        Auto is draft where settings of the points are given that have an effect on `scene`, since somebody chooses by
+        hand, and where no light is shown. Raises UsageError for a name that no point has.
         """
         kept = frozenset(given)
         told = "quality" if name is not None else VARIABLE
@@ -58,8 +58,10 @@ class Quality:
             if name not in QUALITIES:
                 raise UsageError(f"{told}={name!r}: quality must be one of {', '.join((AUTO, *QUALITIES))}")
             return cls(name, kept)
-        by_hand = sorted(kept & (DETERMINED | {"ambient_occlusion"}))
-        if by_hand:
+        from .plan.unused import without_effect
+
+        chosen = kept & (DETERMINED | {"ambient_occlusion"})
+        if by_hand := sorted(chosen - without_effect(scene, cls("standard", kept).applied(settings))):
             return cls("draft", kept, f"{' and '.join(by_hand)} chosen by hand")
         if settings.mode != "pbr" or settings.show != "shaded":
             return cls("draft", kept, "no light is shown" if settings.mode == "pbr" else "")

@@ -27,6 +27,11 @@ def unused_settings(scene: Scene, settings: Settings) -> list[str]:
     return lines
 
 
+def without_effect(scene: Scene, settings: Settings) -> set[str]:
+    """The names of all settings that change nothing for what `scene` lacks, whatever their values are."""
+    return {name for names, is_there, _ in _needs(scene, settings) if not is_there for name in names}
+
+
 def _needs(scene: Scene, settings: Settings) -> Iterator[tuple[list[str], bool, str]]:
     """Settings, whether there is what they are about, and what is missing otherwise."""
     kept, elsewhere = view_settings(settings), {"mode", "background", *ignored(settings.mode)}
