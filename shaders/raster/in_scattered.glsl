@@ -154,7 +154,8 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
 #endif
     sum *= medium.albedo;
 #if LIGHT_COUNT > 0
-    for (int i = 0; i < LIGHT_COUNT; ++i) {
+    int i = 0;
+    do {
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, p, l);
         if (i >= DIRECTIONAL_COUNT) irradiance *= near_light(ray, u_lights[i].position.xyz, from, to, at);
@@ -164,7 +165,7 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
 #if DENSE
         sum += medium.albedo * light_below_face(irradiance, arriving, p, l, around.hidden.yzw, medium);
 #endif
-    }
+    } while (++i < LIGHT_COUNT);
 #endif
     return sum + medium.emission;
 }

@@ -125,7 +125,10 @@ void main() {
 #if WOVEN
     radiance += shade_woven(p, occlusion, visible, covered);
 #elif LIGHT_COUNT > 0
-    for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, p, s, view);
+    int i = 0;
+    do {
+        radiance += shade_light(i, p, s, view);
+    } while (++i < LIGHT_COUNT);
 #endif
 #if SUBSURFACE == 2
     write_gathered(radiance, view, covered);

@@ -74,7 +74,8 @@ void main() {
     radiance += reflected * ambient * occlusion;
 #endif
 #if LIGHT_COUNT > 0
-    for (int i = 0; i < LIGHT_COUNT; ++i) {
+    int i = 0;
+    do {
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, v_position, l);
         float NoL = dot(n, l);
@@ -96,7 +97,7 @@ void main() {
 #endif
         vec3 f = f_lambert(k_d) * float(SHOW_DIFFUSE) + k_s * (highlight * float(SHOW_SPECULAR));
         radiance += f * irradiance * NoL;
-    }
+    } while (++i < LIGHT_COUNT);
 #endif
     write_radiance(radiance, covered);
 }
