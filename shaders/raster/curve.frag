@@ -44,7 +44,10 @@ void main() {
     radiance += around;
 #endif
 #if LIGHT_COUNT > 0
-    for (int i = 0; i < LIGHT_COUNT; ++i) radiance += light_on_fibre(i, at, s, c.axes);
+    int i = 0;
+    do {
+        radiance += light_on_fibre(i, at, s, c.axes);
+    } while (++i < LIGHT_COUNT);
 #endif
     write_curve(radiance, at);
 }

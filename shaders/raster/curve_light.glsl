@@ -178,7 +178,8 @@ vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
     float step = 2.0 * PI / float(STEPS_ABOUT);
     float lod = 0.0;
     vec3 radiance = vec3(0.0);
-    for (int k = 0; k <= STEPS_ABOUT / 2; ++k) {
+    int k = 0;
+    do {
         float phi = float(k) * step;
         mat3x4 lobes = far_lobes(s, phi) * step;
         vec3 share = vec4(1.0) * lobes, inclined = gathered * lobes; // the integral of M is 1
@@ -189,7 +190,7 @@ vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
         radiance += arriving_from(a, frame, d, s.wo, lod, share, inclined);
         if (k == 0 || 2 * k == STEPS_ABOUT) continue;
         radiance += arriving_from(a, frame, vec3(d.x, -d.y, d.z), s.wo, lod, share, inclined);
-    }
+    } while (++k <= STEPS_ABOUT / 2);
 #if NEAR
     radiance = mix(radiance, light_about_offset(s, a, gathered, frame), s.nearness);
 #endif

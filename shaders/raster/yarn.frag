@@ -73,7 +73,8 @@ vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
     LightAround a = light_between_fibres(position);
     float step = 2.0 * PI / float(STEPS_ABOUT), lod = 0.0;
     vec3 radiance = vec3(0.0);
-    for (int k = 0; k < STEPS_ABOUT / 2; ++k) {
+    int k = 0;
+    do {
         float phi = (float(k) + 0.5) * step;
         mat3x4 lobes = far_lobes(s, phi) * step; // of the directions on both sides
         vec3 along = -s.wo.x * frame[0] + cos(phi) * s.wo.z * frame[2], aside = sin(phi) * s.wo.z * frame[1];
@@ -82,7 +83,7 @@ vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
 #endif
         radiance += vec4(1.0) * lobes * (arriving_in_yarn(a, at, along + aside, -s.wo.x, lod)
                                          + arriving_in_yarn(a, at, along - aside, -s.wo.x, lod));
-    }
+    } while (++k < STEPS_ABOUT / 2);
     return radiance;
 }
 #endif
@@ -102,7 +103,8 @@ vec3 radiance_of_fibre(CurvePoint point, Inside at, vec3 along, float h, float p
 #endif
 #endif
 #if LIGHT_COUNT > 0
-    for (int i = 0; i < LIGHT_COUNT; ++i) {
+    int i = 0;
+    do {
         vec3 l, irradiance = light_before_shadow(i, point, l);
         float way, depth = own_depth(at, l, way);
         float past = 1.0;
@@ -122,7 +124,7 @@ vec3 radiance_of_fibre(CurvePoint point, Inside at, vec3 along, float h, float p
         response += through * response_through_fibres(s, wi, t.crossed);
 #endif
         radiance += response * irradiance;
-    }
+    } while (++i < LIGHT_COUNT);
 #endif
     return radiance;
 }
@@ -136,13 +138,14 @@ void main() {
     if (u_tube > 0.0) {
         CurveFrame c = curve_frame(point);
         float front = sqrt(max(1.0 - point.across * point.across, 0.0)), opacity = tube_opacity(point.across);
-        for (int k = 0; k < DEPTHS; ++k) {
+        int k = 0;
+        do {
             float depth = -log(1.0 - opacity * (float(k) + 0.5) / float(DEPTHS)) / u_yarn_depths.y;
             vec3 q = u_tube * point.across * c.axes[1] + (u_tube * front - depth) * c.axes[2];
             at.p = v_yarn + q;
             vec3 along = at.t + u_turns.x * cross(at.t, at.p) + (u_tube < 1.0 ? u_turns.y : 0.0) * cross(at.t, q);
             radiance += radiance_of_fibre(point, at, normalize(along), 0.0, 0.0) / float(DEPTHS);
-        }
+        } while (++k < DEPTHS);
     } else {
         at.p = v_yarn;
         radiance = radiance_of_fibre(point, at, point.along, point.across, point.pixels);
