@@ -44,7 +44,8 @@ void add_film(inout SurfaceView v, Surface s, vec2 dfg_mean) {
     vec3 dielectric = vec3(0.0), metal = vec3(0.0), dielectric_mean = vec3(0.0), metal_mean = vec3(0.0);
     // One loop serves both means, and none goes over a whole array: such a loop Mesa unrolls whatever its size (NIR's
     // force_unroll), and compiles eight copies of the film.
-    for (int k = 0; k < NORMALS + MEANS; ++k) {
+    int k = 0;
+    do {
         float mu, weight = 0.0, mean_weight = 0.0;
         if (k < NORMALS) {
             vec4 normal = NORMAL[k];
@@ -71,7 +72,7 @@ void add_film(inout SurfaceView v, Surface s, vec2 dfg_mean) {
         metal += weight * metal_added;
         metal_mean += mean_weight * metal_added;
 #endif
-    }
+    } while (++k < NORMALS + MEANS);
     float scale = (v.dfg.x + v.dfg.y) / max(weights, 1e-6);
 #if METALNESS != 1
     add_film(v.dielectric, scale * dielectric, dielectric_mean, v.dfg, dfg_mean);

@@ -24,7 +24,8 @@ const float FLAT = 0.01;
 // behind it.
 float horizon(vec3 p, vec3 v, vec3 n_geometric, vec2 along, float reach, float lowest) {
     float highest = lowest;
-    for (int k = 1; k <= STEPS; ++k) {
+    int k = 1;
+    do {
         float t = float(k) / float(STEPS);
         vec2 offset = along * max(t * t * reach, float(k));
         ivec2 tap = ivec2(floor(gl_FragCoord.xy + vec2(offset.x * u_narrowness, offset.y)));
@@ -35,7 +36,7 @@ float horizon(vec3 p, vec3 v, vec3 n_geometric, vec2 along, float reach, float l
         bool hides = occluder.w != 0.0 && tap == inside && dot(d, n_geometric) > FLAT * distance;
         float weight = hides ? clamp(2.0 - 2.0 * distance, 0.0, 1.0) : 0.0;
         highest = max(highest, mix(lowest, dot(d, v) / max(distance, 1e-6), weight));
-    }
+    } while (++k <= STEPS);
     return min(highest, 1.0); // acos is undefined beyond
 }
 
@@ -52,7 +53,8 @@ void main() {
     float reach = u_pixels / max(dot(-p, u_view_direction), 1e-6);
 #endif
     float sum = 0.0, whole = 0.0; // what the two horizons leave, and the whole hemisphere by the same planes
-    for (int k = 0; k < SLICES; ++k) {
+    int k = 0;
+    do {
         float phi = PI * (float(k) + 0.5) / float(SLICES);
         vec2 along = vec2(cos(phi), sin(phi));
         vec3 t = along.x * u_right + along.y * u_up;
@@ -68,7 +70,7 @@ void main() {
         sum += weight * 0.25 * (2.0 * cos(gamma) - cos(2.0 * left - gamma) - cos(2.0 * right - gamma)
                                 + 2.0 * (left + right) * sin(gamma));
         whole += weight * (cos(gamma) + gamma * sin(gamma));
-    }
+    } while (++k < SLICES);
     float sky_visibility = clamp(sum / max(whole, 1e-6), 0.0, 1.0);
     float NoV = clamp(dot(n, v), 0.0, 1.0);
     o_visibility = vec4(vec3(sky_visibility), specular_occlusion(NoV, sky_visibility, surface.w * surface.w));
