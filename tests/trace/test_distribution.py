@@ -8,7 +8,7 @@ import pytest
 from viewer.settings import Settings
 from viewer.trace.layout import TILE
 from viewer.trace.paths.distribution import allocate, around, deviation_around
-from viewer.trace.paths.schedule import Schedule
+from viewer.trace.paths.schedule import LEAST, Schedule
 
 
 class RandomFilm:
@@ -94,3 +94,16 @@ def test_pixels_without_two_samples_tell_nothing():
     assert found[10:] == pytest.approx(found[19, 19]) and (found[:6] > found[19, 19]).all()
     assert np.isfinite(deviation_around(np.zeros((4, 4, 4)), np.zeros((4, 4, 4)))).all()
     assert around(np.ones((1, 1)), 3) == 0
+
+
+def test_a_picture_of_one_pixel_has_samples_until_its_error_is_met():
+    for samples in (16, 64):
+        total, squares = np.full((1, 1, 4), samples), np.full((1, 1, 4), 3.0 * samples)
+        assert deviation_around(total, squares).tolist() == [[1.0]]
+
+
+def test_pictures_without_noise_still_have_the_least_samples():
+    """All pixels may have missed the light so far."""
+    film = RandomFilm(np.full((32, 16), 1e-9), np.zeros((32, 16)))
+    film.trace(Schedule(film, Settings(mode="path", time_budget=60.0)))
+    assert (film.count == LEAST).all()

@@ -29,7 +29,7 @@ def deviation_around(total: NDArray, squares: NDArray) -> NDArray[np.float64]:
 
     It is the mean deviation over (mean^2 + 0.01)^(1/2), averaged over the channels. The mean deviation and not the root
     of the mean variance: one lucky sample counts less in it. Pixels without two samples tell nothing; where there are
-    no others around, it is twice the mean.
+    no others around, it is twice the mean. Where no pixel has others, as in a picture of one, it is 1.
     """
     known = total[..., 3:] >= 2
     count = np.where(known, total[..., 3:], 2).astype(np.float64)
@@ -38,8 +38,11 @@ def deviation_around(total: NDArray, squares: NDArray) -> NDArray[np.float64]:
     deviation = np.sqrt(np.clip(np.nan_to_num(variance), 0.0, _LARGEST))
     share = np.maximum(around(known, REACH), 1e-30)
     relative = (around(deviation, REACH) / share / np.sqrt((around(mean, REACH) / share)**2 + EPSILON)).mean(axis=-1)
-    mean_of_all = relative.sum() / max(np.count_nonzero(share > 1e-30), 1)
-    return np.where(share[..., 0] > 1e-30, relative, 2 * mean_of_all) + DEFENSIVE * mean_of_all
+    is_told = share[..., 0] > 1e-30
+    if not is_told.any():
+        return np.ones(is_told.shape)
+    mean_of_all = relative.sum() / np.count_nonzero(is_told)
+    return np.where(is_told, relative, 2 * mean_of_all) + DEFENSIVE * mean_of_all
 
 
 def around(values: NDArray, reach: int) -> NDArray[np.float64]:

@@ -128,6 +128,8 @@ class Schedule:
         tiles = self._film.tile_errors().astype(np.float64)
         deviation = self._film.deviation_around()
         most = MOST_GROWTH * self._given.astype(np.float64)
+        if not deviation.any():  # there is no noise, or all pixels have missed the light so far
+            deviation, most = np.ones(most.shape), np.minimum(most, LEAST)
         if self._target is not None:
             most = np.minimum(most, self._needed(tiles, deviation, self._target))
         more = allocate(deviation, self._given, most, min(GROWTH * total, limit), self._step)
