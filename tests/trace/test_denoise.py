@@ -147,6 +147,14 @@ def test_a_lamp_does_not_shine_into_its_surroundings(denoise):
     assert around == pytest.approx(0.5, rel={"fast": 0.02, "oidn": 0.2}[denoise.kind])
 
 
+@pytest.mark.parametrize("height, width", [(1, 1), (2, 2), (1, 20)])
+def test_a_picture_of_few_pixels_keeps_its_light(denoise, height, width):
+    values = {"radiance": [0.3, 0.3, 0.3, 1], "sum": [4.8, 4.8, 4.8, 16], "squares": [1.44, 1.44, 1.44, 16],
+              "albedo": [8, 8, 8, 16], "normal": [0, 0, 16, 32], "emission": [0, 0, 0, 0]}
+    result = denoise({name: np.float32([[texel] * width] * height) for name, texel in values.items()})
+    assert result[..., :3].mean() == pytest.approx(0.3, rel=0.05)
+
+
 def test_the_light_is_kept(denoise, truth):
     """The mean stays the same to 1 %. A network may lose light, more if the noise has heavy tails."""
     for samples, spread in ((1, 1), (4, 10), (64, 10)):

@@ -10,6 +10,9 @@ from ...gpu.context import Context
 from ...gpu.float_texture import read_texels
 from .denoiser import NoisyFilm
 
+_LEAST = 16
+"""Pixels along each side that the network needs: where it sees fewer, the picture gets darker."""
+
 
 class OpenImageDenoise:
     """A network trained on path-traced pictures (Afra 2025). Its inputs include albedo and normals of the first hits.
@@ -53,7 +56,10 @@ class OpenImageDenoise:
         color = np.ascontiguousarray(radiance[..., :3])
         is_unchanged = (hits == 0) | ~np.isfinite(color)
         rest = np.where(np.isfinite(color), np.maximum(color - emission, 0), 0)
-        denoised = self._denoise(rest, *features, hdr=True) + emission
+        height, width = color.shape[:2]
+        beyond = (0, max(_LEAST - height, 0)), (0, max(_LEAST - width, 0)), (0, 0)
+        inputs = (np.pad(values, beyond, mode="edge") for values in (rest, *features))
+        denoised = self._denoise(*inputs, hdr=True)[:height, :width] + emission
         return np.concatenate([np.where(is_unchanged, color, denoised), radiance[..., 3:]], axis=-1)
 
     def release(self) -> None:
