@@ -106,6 +106,7 @@ def test_all_three_maps_are_decoded_so(woven):
 @pytest.mark.parametrize("change, left", [
     ({"sheen_color_texture": None}, set()),
     ({"sheen_color": (0.0, 0.0, 0.0)}, set()),
+    ({"sheen_roughness": 0.0}, set()),
     ({"sheen_roughness_texture": None}, {"base_color"}),
     ({"alpha_mode": "mask"}, {"sheen_color", "sheen_roughness"}),
     ({"base_color_texture": Texture(image(np.zeros((8, 8, 3))))}, {"sheen_color", "sheen_roughness"}),

@@ -10,7 +10,7 @@ from viewer.settings import Settings
 from viewer.trace.layout import TILE
 from viewer.trace.paths.distribution import deviation_around
 from viewer.trace.paths.film import relative_error
-from viewer.trace.paths.schedule import LEAST, PILOT, Schedule, dilated
+from viewer.trace.paths.schedule import LEAST, MAX_CHUNK, Schedule, dilated
 from viewer.trace.paths.wavefront import SECOND, Work
 
 
@@ -168,7 +168,8 @@ def test_a_target_is_reached_everywhere_and_what_is_done_rests():
     samples = film.by_tile(film.samples) / TILE**2
     assert quiet.any() and (film.samples[np.kron(quiet, np.ones((TILE, TILE))) > 0] == LEAST).all()
     needed = np.maximum(np.ceil(dilated(tiles) / 0.1**2), LEAST)
-    assert (samples <= 1.1 * needed).all() and samples.sum() <= 1.03 * needed.sum()
+    # Around a pixel at a tile's edge there is noise of the next tile, too, so its share is not what it needs.
+    assert (samples <= 1.06 * needed).all() and samples.sum() <= 1.005 * needed.sum()
 
 
 def test_spp_is_the_most_that_a_target_may_take():
@@ -190,7 +191,14 @@ def test_samples_that_are_left_out_do_not_hang_it():
 def test_films_without_noise_and_with_endless_noise_end(variance):
     film = NoisyFilm(variance)
     run(film, Settings(mode="path", error=0.1, spp=300))
-    assert film.samples.min() >= PILOT and film.samples.mean() <= 300
+    assert film.samples.min() >= LEAST and film.samples.mean() <= 300
+
+
+@pytest.mark.parametrize("size", [(1, 1), (40, 37)])
+def test_where_noise_is_even_a_target_takes_what_it_needs(size):
+    film = NoisyFilm(np.ones((-(-size[1] // TILE), -(-size[0] // TILE))), size)
+    run(film, Settings(mode="path", error=0.05))
+    assert film.samples.min() >= 400 and film.samples.max() <= 400 + MAX_CHUNK  # what is on its way counts
 
 
 @pytest.mark.parametrize("scatter", [0.0, 1.0])

@@ -109,13 +109,15 @@ class SheenMap:
 def sheen_map(name: str, material: Material) -> SheenMap | None:
     """The map of a material that has a sheen, if its levels depend on the maps of that.
 
-    None where they do not: the fibres have no map of their colour, a map of as many texels does not lie on the surface
-    as they do, or a base colour has alpha, which weighs it.
+    None where they do not: the fibres have no map of their colour, or no roughness, without which they reflect nothing;
+    a map of as many texels does not lie on the surface as they do; or a base colour has alpha, which weighs it.
     """
     color, roughness = material.sheen_color_texture, material.sheen_roughness_texture
     if roughness is not None and not roughness.image.has_alpha:  # which it is in
         roughness = None
     if name not in ("base_color", "sheen_color", "sheen_roughness") or not SHEEN.is_on(material) or color is None:
+        return None
+    if material.sheen_roughness == 0:
         return None
     if material.alpha_mode != "opaque" if name == "base_color" else roughness is None:
         return None

@@ -150,7 +150,8 @@ class Schedule:
         A tile's error is that of the film. That the variance of each sample is c deviation^2, with one c for a tile, is
         only a guess by which it gets there; the next round corrects it.
         """
-        variance = tiles[..., 0] / np.maximum(tiles[..., 1], 1)
+        arrived = tiles[..., 2] / self._by_tile(self._given).sum(axis=(2, 3))  # the others are still on their way
+        variance = tiles[..., 0] / np.maximum(tiles[..., 1], 1) * arrived
         least = np.maximum(self._given, LEAST)
         mean, square, now, soon = (self._by_tile(values).sum(axis=(2, 3)) / tiles[..., 3] for values in (
             deviation, deviation**2, deviation**2 / self._given, deviation**2 / least))
