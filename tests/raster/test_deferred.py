@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
-from viewer.raster.deferred import _planes
+from viewer.raster.numbered_triangles import triangle_planes
 from viewer.raster.pixel_boxes import around, cell_corners, pixel_box, pixel_rows
 from viewer.scene.camera import Camera
 from viewer.scene.frame import Frame
@@ -105,7 +105,8 @@ def test_a_crease_is_two_surfaces_and_a_bend_is_one(renderer, monkeypatch, bits)
     """Two halves of a roof, each lit by itself. Where they meet at a small angle one of them stands for both.
 
     The numbers of their triangles, 1 and 2, 5 and 6, fill 3 bits, and differ in the first alone."""
-    monkeypatch.setattr("viewer.raster.deferred.TRIANGLE_BITS", bits)
+    for module in ("deferred", "numbered_triangles"):
+        monkeypatch.setattr(f"viewer.raster.{module}.TRIANGLE_BITS", bits)
     white = Material(metallic=0.0, perceptual_roughness=1.0, specular=0.0, double_sided=True)
     camera = orthographic(0.0, 0.0, 2.0)
     edge = 1 / SIZE[1] + 1e-4  # near a pixel's middle, where the planes of both halves meet
@@ -220,7 +221,7 @@ def test_planes_and_boxes():
     model = still_life()
     mesh, matrix = model.meshes[1], model.instances[1].transform
     triangles = mesh.indices.reshape(-1, 3)
-    planes = _planes(mesh.positions, triangles, matrix, model).astype(np.float64)
+    planes = triangle_planes(mesh.positions, triangles, matrix, model).astype(np.float64)
     points = (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3] - model.center) / model.radius
     corners = points[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

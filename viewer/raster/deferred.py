@@ -15,22 +15,19 @@ import ctypes
 from collections.abc import Mapping
 
 import moderngl
-import numpy as np
 
 from ..base.reusable import Reusable
-from ..gpu.buffer_texture import BufferTexture
 from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..plan.deferral import TRIANGLE_BITS
 from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
-from ..scene.scene import Scene
-from ..scene.triangles import triangles_of
 from .depth import Depth
 from .gbuffer import nearest_texture
 from .geometry import MeshBuffers
-from .pixel_boxes import Box, around, cell_corners, pixel_box, pixel_rows, union
+from .numbered_triangles import NumberedTriangles
+from .pixel_boxes import Box, around, pixel_box, pixel_rows, union
 from .surface_programs import FULLSCREEN, TRIANGLES
 from .surfaces import Surfaces
 from .target import Target
@@ -50,7 +47,7 @@ class DeferredSurfaces:
     def __init__(self, context: Context, programs: Programs, depth: Depth, surfaces: Surfaces) -> None:
         self._context, self._programs, self._depth, self._surfaces = context, programs, depth, surfaces
         self._layers: Reusable[Layers] = Reusable()
-        self._triangles: Reusable[Triangles] = Reusable()
+        self._triangles: Reusable[NumberedTriangles] = Reusable()
 
     def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object]) -> Layers:
         """Draw them into the depth of `target`, within `Depth.test()`, and return their radiance in pixels. With
@@ -61,7 +58,7 @@ class DeferredSurfaces:
                                   lambda: Layers(self._context, self._depth, target, plan.is_over_layers))
         layers.has_background = plan.is_over_layers and plan.background
         triangles = self._triangles.get(lambda held: held.fits(frame.scene, draws),
-                                        lambda: Triangles(self._context, frame.scene, draws))
+                                        lambda: NumberedTriangles(self._context, frame.scene, draws))
         part = target.part or (0, 0, *frame.size)
         boxes = {draw.instance: pixel_box(frame, draw.instance, part) for draw in draws if frame.visible[draw.instance]}
         others = [instance for draw in plan.draws if not draw.is_deferred
@@ -77,13 +74,13 @@ class DeferredSurfaces:
         self._context.gl.clear_samplers()
         return layers
 
-    def _draw_triangles(self, frame: Frame, plan: Plan, layers: Layers, triangles: Triangles,
+    def _draw_triangles(self, frame: Frame, plan: Plan, layers: Layers, triangles: NumberedTriangles,
                         uniforms: dict[str, object]) -> None:
         layers.numbers.use()
         self._surfaces.draw_triangles(
             frame, plan, uniforms, lambda draw, mesh: {"u_first_triangle": triangles.first[draw.instance]})
 
-    def _choose(self, frame: Frame, layers: Layers, triangles: Triangles) -> None:
+    def _choose(self, frame: Frame, layers: Layers, triangles: NumberedTriangles) -> None:
         gl, camera = self._context.gl, frame.camera
         across = 0.0 if camera.height is None else camera.height / frame.unit / frame.size[1]
         values = {"u_triangle_samples": UNIT_RADIANCE, "u_chosen": UNIT_CHOSEN,
@@ -106,7 +103,7 @@ class DeferredSurfaces:
                 layers.draw_rows(framebuffer, program)
                 layers.choosing.color_attachments[0].use(UNIT_CHOSEN)
 
-    def _shade(self, number: int, frame: Frame, plan: Plan, layers: Layers, triangles: Triangles,
+    def _shade(self, number: int, frame: Frame, plan: Plan, layers: Layers, triangles: NumberedTriangles,
                boxes: Mapping[int, Box], uniforms: dict[str, object]) -> None:
         """Shade the first (`number` 0) or the second surface of each pixel."""
         framebuffer = layers.shaded[number]
@@ -267,50 +264,3 @@ class Layers:
         for thing in (self.numbers, self.choosing, self.second, *self.shaded, self._mixed, *copied, *colors,
                       *self._depths):
             thing.release()
-
-
-class Triangles:
-    """The numbers of all triangles of a scene that are deferred, and their planes."""
-
-    def __init__(self, context: Context, scene: Scene, draws: list[Draw]) -> None:
-        self._key = _key(scene, draws)
-        self.first: dict[int, int] = {}
-        """The number of the first triangle of each instance (shaders/raster/planes.glsl)."""
-        self.objects = {draw.instance: k for k, draw in enumerate(draws)}
-        """The number of each instance, from 0."""
-        planes, corners, count = [], [], 0
-        for draw in draws:
-            mesh = scene.meshes[draw.mesh]
-            matrix = scene.instances[draw.instance].transform
-            self.first[draw.instance] = self.objects[draw.instance] << TRIANGLE_BITS | (count + 1)
-            count += mesh.triangle_count
-            planes.append(_planes(mesh.positions, triangles_of(mesh), matrix, scene))
-            corners.append(cell_corners(mesh.positions) @ matrix[:3, :3].T + matrix[:3, 3])
-        self.corners = np.concatenate(corners)
-        """Points (N, 3) in world axes, whose convex hull has all triangles in it."""
-        self.planes = BufferTexture(context, np.concatenate(planes))
-
-    def fits(self, scene: Scene, draws: list[Draw]) -> bool:
-        return self._key == _key(scene, draws)
-
-    def release(self) -> None:
-        self.planes.release()
-
-
-def _key(scene: Scene, draws: list[Draw]) -> tuple[object, ...]:
-    """What the planes follow from. Meshes are compared by identity."""
-    placed = [(draw.instance, scene.meshes[draw.mesh], scene.instances[draw.instance].transform.tobytes())
-              for draw in draws]
-    return *placed, *scene.center.tolist(), scene.radius
-
-
-def _planes(positions: np.ndarray, triangles: np.ndarray, matrix: np.ndarray, scene: Scene) -> np.ndarray:
-    """n and d of n p + d = 0 for each triangle, (T, 4) float32, with |n| = 1. p is about the scene's centre, in its
-    radius. Those of a mirrored mesh have their normals turned, which are only compared with one another.
-    """
-    to_scene = (matrix[:3, :3] / scene.radius).T
-    middle = (matrix[:3, 3] - scene.center) / scene.radius
-    corners = positions.astype(np.float64)[triangles] @ to_scene + middle
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    return np.concatenate([normals, -(normals * corners[:, 0]).sum(axis=1, keepdims=True)], axis=1).astype(np.float32)
