@@ -15,6 +15,7 @@ from viewer.bake.fibre_grid import FibreGrid, fibre_grid
 from viewer.bake.fibre_medium import ORDERS, fibre_medium
 from viewer.bake.hair_light import HairLight, HairMedium
 from viewer.bake.many_lights import uniform_lights
+from viewer.gpu.call import call_glsl
 from viewer.scene.curves import Curves
 from viewer.scene.fibre import Fibre, longitudinal_variance
 from viewer.scene.light import Light
@@ -68,6 +69,32 @@ def test_the_share_that_fibres_fill_is_that_of_their_volume(grid):
     curves = tuft()
     lengths = np.linalg.norm(curves.points[1::2] - curves.points[::2], axis=1)
     assert grid.filled.sum() * grid.cell**3 == pytest.approx(np.pi * 0.01**2 * lengths.sum(), rel=0.05)
+
+
+def test_the_share_that_others_fill_is_that_of_all_less_the_fibres_own():
+    """At the places of 4000 parallel fibres by chance, with values interpolated between cells."""
+    x, z = np.random.default_rng(2).uniform(-0.5, 0.5, (2, 4000))
+    ends = np.stack([np.stack([x, np.full(4000, y), z], axis=1) for y in (-0.5, 0.5)], axis=1).reshape(-1, 3)
+    grid = fibre_grid([Curves("row", ends, np.full(8000, 0.005), 2 * np.arange(4001), np.zeros(4000, bool))])
+    middle = grid.filled_by_others[:, grid.shape[1] // 2]
+    at = np.stack([x, z], axis=1)[np.maximum(np.abs(x), np.abs(z)) < 0.4]
+    at = (at - grid.low[[0, 2]]) / grid.cell - 0.5
+    (i, k), (a, b) = np.floor(at).astype(int).T, (at % 1).T
+    found = (1 - b) * ((1 - a) * middle[k, i] + a * middle[k, i + 1]) + b * (
+        (1 - a) * middle[k + 1, i] + a * middle[k + 1, i + 1])
+    assert found.mean() == pytest.approx(3999 * np.pi * 0.005**2, rel=0.02)
+
+
+@pytest.mark.parametrize("degrees", [30, 60, 90, 120, 150, 180])
+def test_what_hides_two_directions_in_common_is_the_area_of_both_strips(degrees):
+    """By counting places on a grid, for fibres of radius 1. The strips begin at the place of the fibre that is seen."""
+    steps = (np.arange(-900, 900) + 0.5) / 200
+    y, z = np.meshgrid(steps, steps)
+    sine, cosine = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+    seen = (z > 0) & (np.abs(y) < 1) | (y**2 + z**2 < 1)
+    lit = (sine * y + cosine * z > 0) & (np.abs(cosine * y - sine * z) < 1)
+    found = call_glsl("raster/depth_in_common.glsl", "depth_in_common", filled=np.pi, y=0.7 * sine, z=0.7 * cosine)
+    assert float(found) == pytest.approx((seen & lit).sum() / 200**2, rel=2e-3)
 
 
 def box_of_fibres() -> FibreGrid:

@@ -22,6 +22,9 @@ _OWN = 0.71
 """A fibre of radius r is spread over the cells that it passes, of side c. From its place, anywhere in the cross-section
 of a cell, the way out of that is 0.473 c across the fibre in the mean, on which it adds 2 r / c^2 times that to the
 optical depth, whatever the angle to the fibre. Of this 3/4 are left where the depth is interpolated between cells."""
+_OWN_PLACE = 9 / 16
+"""So much of what a fibre along an axis adds to its cells is found at its place, anywhere in the cross-section of a
+cell, where values are interpolated: 3/4 in each direction across it."""
 _PAIRS = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)
 
 
@@ -56,6 +59,11 @@ class FibreGrid:
         """The share of space that fibres fill, (nz, ny, nx): pi r^2 l / V. None of it where fibres are yarns'."""
         filled: np.ndarray = np.float32(math.pi / 2 / _OWN) * self.density * self.own
         return filled
+
+    @property
+    def filled_by_others(self) -> np.ndarray:
+        """The same for the others about a fibre, at its place."""
+        return np.maximum(self.filled - np.float32(_OWN_PLACE * math.pi / _OWN**2) * self.own**2, 0)
 
     def moments(self) -> tuple[np.ndarray, np.ndarray]:
         """The axis (3, nz, ny, nx) of the fibres in each cell, and (5, nz, ny, nx) the mean over them of the Legendre

@@ -50,7 +50,7 @@ class HairLight:
         light = hair.lit(plan.lights, environment.sky_lights(plan) if environment is not None else None)
         self._kept, self._spread = tuple(hair.medium.kept.tolist()), hair.medium.spread
         self._low, self._sides = hair.grid.low, hair.grid.cell * np.array(hair.grid.shape[::-1])
-        scattered = np.concatenate([np.minimum(light.scattered, _MOST), hair.grid.filled[..., None]], axis=-1)
+        scattered = np.concatenate([np.minimum(light.scattered, _MOST), hair.grid.filled_by_others[..., None]], axis=-1)
         across = np.concatenate([light.across, hair.open[..., 4:]], axis=-1)
         # The depths to all lights lie one above the other along z.
         depths = np.concatenate(light.depths)[..., None] if light.depths else np.zeros((1, 1, 1, 1))
