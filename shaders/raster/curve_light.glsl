@@ -50,10 +50,10 @@ const int STEPS_ABOUT = 8; // directions about the fibre
 #if HAIR_LIGHT
 // Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter, from where they
 // hide the outside, and the share of space that others than the one here fill; the Legendre moments 1 to 4 of its
-// inclination to the fibres, over its mean; v, where more of it comes from across them, 1 + v . d times; and how open it
-// is in the direction d along fibres t, 1 / (1 + the optical depth to the outside) = a + b . d + c (t . d)^2, with a in
-// the first channel and c in the last one of u_hair_across. Of what fibres take away, the share u_hair_kept does not go
-// on almost straight through them.
+// inclination to the fibres, over its mean; v, where more of it comes from across them, 1 + v . d times; and how open
+// it is in the direction d along fibres t, 1 / (1 + the optical depth to the outside) = a + b . d + c (t . d)^2, with
+// a in the first channel and c in the last one of u_hair_across. Of what fibres take away, the share u_hair_kept does
+// not go on almost straight through them.
 uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_across, u_hair_open;
 uniform vec3 u_hair_kept;
 uniform vec3 u_hair_low, u_hair_scale; // the grid's corner in eye-relative units, and 1 / its sides
@@ -114,8 +114,8 @@ float depth_to_outside(LightAround a, vec3 d, float sine) {
 #if HAIR_LIGHT
 #include "raster/depth_in_common.glsl"
 
-// The depth to the outside, less what is known to be open: the fibre is seen along wo. Strips of depths below twice what
-// they have in common end before they part. d and wo are in the frame of the fibre.
+// The depth to the outside, less what is known to be open: the fibre is seen along wo. Strips of depths below twice
+// what they have in common end before they part. d and wo are in the frame of the fibre.
 float depth_where_seen(LightAround a, mat3 frame, vec3 d, vec3 wo) {
     float depth = depth_to_outside(a, frame * d, d.x), both = min(depth, depth_to_outside(a, frame * wo, wo.x));
     float overlap = depth_in_common(a.filled, d.y, d.z);
