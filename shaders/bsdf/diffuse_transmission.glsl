@@ -15,11 +15,6 @@ vec3 surface_transmitted(Surface s, SurfaceView v) {
     return MIX_METAL(s, interface_entering(v.dielectric, v.dfg) * transmitted_albedo(s), vec3(0.0));
 }
 
-// The same, with the albedo that the interface has under an environment
-vec3 surface_environment_transmitted(Surface s, SurfaceView v) {
-    return MIX_METAL(s, interface_environment_throughput(v.dielectric) * transmitted_albedo(s), vec3(0.0));
-}
-
 // The probability that a sample of the diffuse part leaves on the other side
 float below_probability(Surface s, SurfaceView v) {
     return share_of(luminance(surface_transmitted(s, v)), luminance(multiple_albedo(s, v)));

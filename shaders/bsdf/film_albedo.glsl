@@ -11,15 +11,10 @@ void add_film(inout Interface face, vec3 single, vec3 mean_added, vec2 dfg, vec2
     face.film_single = single;
 #if MULTISCATTER
     vec3 F_mean = clamp(f_schlick_mean(face.f0, face.f90) + mean_added, 0.0, 1.0);
-    vec3 lost = F_mean * energy_loss(dfg);
-    face.film_E_ms = (face.E_ss + single) * lost / (1.0 - lost) - face.E_ms;
-    face.E_ms += face.film_E_ms;
     float mean_loss = energy_loss(mean);
-    if (mean_loss >= 1e-4) {
-        vec3 F_ms = kulla_conty_fresnel(F_mean, mean_loss);
-        face.film_multiple = (F_ms - face.F_ms) * energy_loss(dfg);
-        face.f_ms_view = F_ms * (energy_loss(dfg) * INV_PI / mean_loss);
-    }
+    vec3 F_ms = kulla_conty_fresnel(F_mean, mean_loss);
+    face.film_multiple = (F_ms - face.F_ms) * energy_loss(dfg);
+    face.f_ms_view = F_ms * (energy_loss(dfg) * INV_PI / max(mean_loss, 1e-4));
 #endif
     face.E_ss = max(face.E_ss + single, 0.0);
     face.scaled_transmittance = interface_entering(face, dfg) / max(interface_transmittance(face, mean), 1e-4);

@@ -2,10 +2,7 @@
 // scattering alone loses 8, 31 and 69 % of the light (white GGX, normal view, alpha 0.25, 0.5, 1).
 #include "bsdf/fresnel.glsl"
 
-// E_w is the directional albedo of the lobe with F = 1 (a + b of the split sum); f0 and f90 are those of Schlick's F.
-// Without masking E_w may exceed 1, and no light is missing.
-
-// For direct light: the fraction of the light missing in single scattering that leaves after several bounces, with
+// The fraction of the light missing in single scattering that leaves after several bounces, with
 // mean_loss = 1 - E_mean. It is the same for both directions, so the lobe is reciprocal.
 //   F_mean^2 E_mean / (1 - F_mean (1 - E_mean))       Kulla & Conty 2017, with the Fresnel factor of Hill 2018
 vec3 kulla_conty_fresnel(vec3 F_mean, float mean_loss) {
@@ -16,13 +13,4 @@ vec3 kulla_conty_fresnel(vec3 F_mean, float mean_loss) {
 // Turquin 2019, "Practical multiple scattering compensation"
 vec3 turquin_factor(vec3 f0, float E_w) {
     return 1.0 + f0 * (max(1.0 - E_w, 0.0) / max(E_w, 1e-3));
-}
-
-// For image-based lighting: the albedo E_ms of multiple scattering, which is lit by the irradiance.
-// Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", eq. 18:
-//   E_ms = E_ss F_mean (1 - E_w) / (1 - F_mean (1 - E_w))
-// It is not linear in F. So dielectric and metal must be evaluated separately and their results mixed, not their f0.
-vec3 fdez_aguera_albedo(vec3 E_ss, vec3 f0, vec3 f90, float E_w) {
-    vec3 lost = f_schlick_mean(f0, f90) * max(1.0 - E_w, 0.0);
-    return E_ss * lost / (1.0 - lost);
 }

@@ -44,13 +44,13 @@ vec3 surface_response(Surface s, SurfaceView v, Angles a, float dv, vec2 dfg_lig
 vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_light) {
     return MIX_METAL(s,
         interface_environment(v.dielectric, v.dfg, specular, mean_light)
-            + interface_environment_throughput(v.dielectric) * (mean_light * diffuse_albedo(s, v.NoV)),
+            + interface_entering(v.dielectric, v.dfg) * (mean_light * diffuse_albedo(s, v.NoV)),
         interface_environment(v.metal, v.dfg, specular, mean_light));
 }
 
 // The fraction of light from the viewer's direction that enters the dielectric
 TRANSMITTANCE surface_throughput(Surface s, SurfaceView v) {
-    return MIX_METAL(s, interface_transmitting(v.dielectric, v.dfg), TRANSMITTANCE(0.0));
+    return MIX_METAL(s, interface_entering(v.dielectric, v.dfg), TRANSMITTANCE(0.0));
 }
 
 // ---- The surface as a lobe, as bsdf/bsdf.glsl defines it, with wo and wi in the local frame. A sample is taken from

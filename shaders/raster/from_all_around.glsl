@@ -3,5 +3,5 @@
 // The share of this light that leaves the surface towards the eye
 vec3 from_all_around(Point p, Surface s, SurfaceView view) {
     vec3 shown = p.everywhere * float(SHOW_DIFFUSE);
-    return MIX_METAL(s, interface_environment_throughput(view.dielectric) * shown, vec3(0.0));
+    return MIX_METAL(s, interface_entering(view.dielectric, view.dfg) * shown, vec3(0.0));
 }

@@ -95,7 +95,7 @@ void main() {
 #endif
 #endif
 #if SUBSURFACE == 3
-    radiance += interface_environment_throughput(view.dielectric) * spread_light(v_position, p.n_geometric);
+    radiance += interface_entering(view.dielectric, view.dfg) * spread_light(v_position, p.n_geometric);
     s.diffuse_transmission_color = vec3(0.0);
 #elif SUBSURFACE
     add_interior(inside, m, s, p);

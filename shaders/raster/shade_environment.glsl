@@ -134,7 +134,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if IS_SOLID
     through = mix(through, environment_irradiance_over_pi(p.n), p.returned);
 #endif
-    radiance += surface_environment_transmitted(s, view) * through;
+    radiance += surface_transmitted(s, view) * through;
 #endif
 #if SCATTERS_INSIDE
     radiance += from_all_around(p, s, view) * light_all_around(p, occlusion, visible);

@@ -73,7 +73,7 @@ def test_compensation_makes_a_white_metal_white(evaluate):
     albedo = np.linspace(0.2, 1, 64)
     inputs = np.stack([albedo] * 4, axis=-1)
     direct = evaluate("bsdf/multiscatter", "vec4(turquin_factor(vec3(1.0), i.x), 0.0)", inputs)[:, 0] * albedo
-    expression = "vec4(fdez_aguera_albedo(vec3(i.x), vec3(1.0), vec3(1.0), i.x), 0.0)"
-    around = evaluate("bsdf/multiscatter", expression, inputs)
+    expression = "vec4(fdez_aguera_multiple(vec3(i.x), vec3(1.0), vec3(1.0), i.x), 0.0)"
+    around = evaluate("bsdf/compare/fdez_aguera", expression, inputs)
     assert np.abs(direct - 1).max() < 1e-6
     assert np.abs(around[:, 0] + albedo - 1).max() < 1e-6

@@ -1,14 +1,21 @@
-// GGX with diffuse multiple scattering, f_ss + E_ms(o) / pi: the lobe that image-based lighting by the split sum uses.
+// GGX with diffuse multiple scattering, f_ss + E_ms(o) / pi: the lobe by which other renderers light from images.
 // Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting". E_ms depends only on
-// wo, so the lobe is not reciprocal.
+// wo, so the lobe is not reciprocal; it is darker than Kulla & Conty's on rough metal that is not white.
 #include "bsdf/kulla_conty.glsl"
 #include "bsdf/compare/ggx.glsl"
 #include "bsdf/multiscatter.glsl"
 
+// Equation 18: E_ms = E_ss F_mean (1 - E_w) / (1 - F_mean (1 - E_w)), where E_w is E_ss with F = 1 (a + b of the split
+// sum), and f0 and f90 are those of Schlick's F. Without masking E_w may exceed 1, and no light is missing.
+vec3 fdez_aguera_multiple(vec3 E_ss, vec3 f0, vec3 f90, float E_w) {
+    vec3 lost = f_schlick_mean(f0, f90) * max(1.0 - E_w, 0.0);
+    return E_ss * lost / (1.0 - lost);
+}
+
 vec3 fdez_aguera_multiple(Ggx m, float NoV, sampler2D dfg) {
     if (is_delta(m.alpha)) return vec3(0.0);
     vec2 ab = dfg_albedo(dfg, NoV, mean_perceptual_roughness(m.alpha));
-    return fdez_aguera_albedo(m.f0 * ab.x + m.f90 * ab.y, m.f0, m.f90, ab.x + ab.y);
+    return fdez_aguera_multiple(m.f0 * ab.x + m.f90 * ab.y, m.f0, m.f90, ab.x + ab.y);
 }
 
 vec3 fdez_aguera_eval(Ggx m, vec3 wo, vec3 wi, sampler2D dfg) {

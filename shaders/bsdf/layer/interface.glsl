@@ -20,14 +20,12 @@ struct Interface {
     vec3 f0;
     vec3 f90;
     vec3 E_ss;                  // directional albedo of single scattering
-    vec3 E_ms;                  // directional albedo of multiple scattering under an environment
     vec3 F_ms;                  // fraction of the light missing in single scattering that leaves after several bounces
     vec3 f_ms_view;             // f of multiple scattering / (1 - E(l)), l the direction to the light
     TRANSMITTANCE scaled_transmittance; // T(v) / T_mean
 #if IRIDESCENT
-    vec3 film_single;           // what a film adds to E_ss,
-    vec3 film_multiple;         // to the albedo of multiple scattering,
-    vec3 film_E_ms;             // and to E_ms (bsdf/film_albedo.glsl)
+    vec3 film_single;           // what a film adds to E_ss
+    vec3 film_multiple;         // and to the albedo of multiple scattering (bsdf/film_albedo.glsl)
 #endif
 #if DIFFUSE_ROUGH
     float dimming;              // how much darker what lies below is at grazing angles; see interface_dimming
@@ -63,15 +61,6 @@ TRANSMITTANCE interface_entering(Interface face, vec2 dfg) {
 #endif
 }
 
-// The same beside E_ms, under an environment
-TRANSMITTANCE interface_transmitting(Interface face, vec2 dfg) {
-#if IRIDESCENT
-    return max(interface_transmittance(face, dfg) - face.film_single - face.film_E_ms, 0.0);
-#else
-    return interface_transmittance(face, dfg);
-#endif
-}
-
 #if DIFFUSE_ROUGH
 // x of T(i) / T_mean = 1 - x ((1 - NoL)^5 - 1/21). mean_b is the mean of the split sum's b, 1/21 for a smooth interface
 // and less for a rough one, whose curve is flatter, too: the second factor is a fit.
@@ -89,16 +78,14 @@ Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
     face.f90 = f90;
     face.E_ss = f0 * dfg.x + f90 * dfg.y;
 #if MULTISCATTER
-    face.E_ms = fdez_aguera_albedo(face.E_ss, f0, f90, dfg.x + dfg.y);
     float mean_loss = energy_loss(mean);
-    bool is_lossless = mean_loss < 1e-4; // a loss below 1e-4 is an error of the table
-    face.F_ms = is_lossless ? vec3(0.0) : kulla_conty_fresnel(f_schlick_mean(f0, f90), mean_loss);
-    face.f_ms_view = face.F_ms * (energy_loss(dfg) * INV_PI / max(mean_loss, 1e-4));
+    face.F_ms = kulla_conty_fresnel(f_schlick_mean(f0, f90), mean_loss);
+    face.f_ms_view = face.F_ms * (energy_loss(dfg) * INV_PI / max(mean_loss, 1e-4)); // below is an error of the table
 #else
-    face.E_ms = face.F_ms = face.f_ms_view = vec3(0.0);
+    face.F_ms = face.f_ms_view = vec3(0.0);
 #endif
 #if IRIDESCENT
-    face.film_single = face.film_multiple = face.film_E_ms = vec3(0.0);
+    face.film_single = face.film_multiple = vec3(0.0);
 #endif
     face.scaled_transmittance = interface_entering(face, dfg) / max(interface_transmittance(face, mean), 1e-4);
 #if DIFFUSE_ROUGH
@@ -122,17 +109,10 @@ TRANSMITTANCE interface_throughput(Interface face, vec2 dfg_light) {
 // of the split sum; mean_light is irradiance / pi.
 vec3 interface_environment(Interface face, vec2 dfg, mat2x3 specular, vec3 mean_light) {
     vec3 single = face.f0 * (dfg.x * specular[0]) + face.f90 * (dfg.y * specular[1]);
+    vec3 multiple = face.F_ms * energy_loss(dfg); // the albedo of the lobe that lights are reflected by
 #if IRIDESCENT
     single = max(single + face.film_single * (specular * dfg) / max(dfg.x + dfg.y, 1e-4), 0.0);
+    multiple += face.film_multiple;
 #endif
-    return single * float(SHOW_SPECULAR) + mean_light * face.E_ms * float(SHOW_MULTISCATTER);
-}
-
-TRANSMITTANCE interface_environment_throughput(Interface face) {
-#if IRIDESCENT
-    vec3 film = face.film_single + face.film_E_ms;
-    return max(1.0 - max3(face.E_ss + face.E_ms - film) - film, 0.0);
-#else
-    return max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // without masking the difference may be negative
-#endif
+    return single * float(SHOW_SPECULAR) + mean_light * multiple * float(SHOW_MULTISCATTER);
 }
