@@ -71,8 +71,10 @@ class Scenario:
 def main() -> None:
     options = _parse()
     scorer = load_scorer()
-    kept = {row["scenario"]: row for row in json.loads((options.results / "fidelity.json").read_text())["rows"]
-            } if options.versions or options.kept else {}
+    kept: dict[str, dict[str, Any]] = {}
+    before = options.results / "fidelity.json"
+    if (options.versions or options.kept) and before.is_file():
+        kept = {row["scenario"]: row for row in json.loads(before.read_text())["rows"]}
     rows: list[dict[str, Any]] = []
     loads: list[float] = []
     with machine.until_stopped():
