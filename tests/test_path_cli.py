@@ -106,6 +106,21 @@ def test_ctrl_c_before_there_is_a_picture_or_twice_leaves_nothing(run, folder, m
     assert (outcome.status, outcome.error) == (130, "interrupted") and names(folder) == []
 
 
+def test_ctrl_c_while_only_the_sky_has_samples_leaves_nothing(run, folder, monkeypatch):
+    """The bare sky has all of its samples at once, before the first path of a surface ends."""
+    step, seen = PathRender.step, []
+
+    def interrupted(self, seconds):
+        step(self, 0.0)
+        seen.append((self.samples, self.is_whole))
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(PathRender, "step", interrupted)
+    outcome = run("render", MODEL, "-o", "a.png", *PATH, "--size", "128", "--spp", "65536")
+    assert seen[0][0] > 0 and not seen[0][1]
+    assert (outcome.status, outcome.error) == (130, "interrupted") and names(folder) == []
+
+
 def test_info_tells_the_plan(run):
     facts = json.loads(run("info", MODEL, "--mode", "path", "--json", "-").out)
     assert facts["plan"]["passes"][0] == "intersect" and facts["plan"]["triangles"] == facts["triangles"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.progress import Progress
-from ..base.signals import Stopped, StopRequest, postponed
+from ..base.signals import Stopped, postponed
 from ..image.image import LINEAR_WRITABLE, Image
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -125,7 +125,9 @@ class PathMaker(PictureMaker):
                     path_render.take(self.given)
                 else:
                     run(path_render, started, report, wants_to_stop=lambda: stop_request.number is not None)
-            self.stopped = _stop_signal(stop_request, path_render.samples) or self.given_stopped
+            self.stopped = self.given_stopped if stop_request.number is None else stop_request.number
+            if self.stopped is not None and not path_render.is_whole:
+                raise Stopped(self.stopped)
             image = with_ground(self._tracer, path_render.image(), scene, camera, request.settings)
             if request.layers:
                 image = add_layers(image, self._raster(), scene, camera, request.settings, request)
@@ -186,10 +188,3 @@ def add_layers(image: Image, renderer: Renderer, scene: Scene, camera: Camera, s
 
     following = request.following(scene, camera) if request.following is not None else None
     return with_layers(image, renderer, scene, camera, settings, request.layers, following)
-
-
-def _stop_signal(request: StopRequest, samples: float) -> int | None:
-    """The number of the signal that stopped a picture, or None. Raises Stopped if the picture has no samples yet."""
-    if request.number is not None and samples == 0:
-        raise Stopped(request.number)
-    return request.number
