@@ -81,7 +81,7 @@ def interrupting(monkeypatch, before: int, times: int = 1):
             for _ in range(times):
                 os.kill(os.getpid(), signal.SIGINT)
         else:
-            while self.samples < 1:
+            while not self.is_whole:
                 step(self, seconds)
 
     monkeypatch.setattr(PathRender, "step", interrupted)
