@@ -61,8 +61,10 @@ void main() {
         vec4 unshadowed = vec4(light.irradiance.rgb, lobe * luminance(light.irradiance.rgb)) * NoL;
 
         float facing = dot(n_geometric, l);
-        // Offset along the normal by the footprint of the shadow filter, which grows at grazing angles
-        float offset = light.direction.w * (1.5 * sqrt(max(1.0 - facing * facing, 0.0)) + 0.5);
+        // The filter reaches a texel of w along both axes, where a plane at an angle t is nearer to the light by up to
+        // sqrt(2) w tan(t). The offset of the maps is at least half of that (viewer/raster/shadows.py), and d along the
+        // normal is d / cos(t): the rest takes w sin(t) / sqrt(2), and a little for rounding.
+        float offset = light.direction.w * (0.71 * sqrt(max(1.0 - facing * facing, 0.0)) + 0.05);
         vec4 p = vec4(surface.xyz + offset * n_geometric, 1.0);
         vec3 place = vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p));
         float visible = textureLod(u_atlas, place, 0.0);

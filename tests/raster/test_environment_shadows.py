@@ -109,6 +109,17 @@ def test_what_nothing_hides_is_as_without(radiance):
     assert np.abs(pictures[1] / pictures[0] - 1).max() < 0.05
 
 
+@pytest.mark.parametrize("lean", [0.0, 0.5, 1.0])
+def test_a_plane_hides_nothing_of_itself(radiance, lean):
+    """Whichever way it leans, and with it what a texel of the maps spans of it."""
+    turn = moved((0, 0, 0))
+    turn[:2, :2] = [[np.cos(lean), -np.sin(lean)], [np.sin(lean), np.cos(lean)]]
+    floor = scene((plate(0, half=2.0), turn @ facing_floor()), environment=lopsided())
+    pictures = [radiance(floor, orthographic(0.7, 0.9, height=1.5), SIZE, environment_shadows=lights)[..., :3]
+                for lights in ("off", "64")]
+    assert np.abs(pictures[1] / pictures[0] - 1).max() < 1e-3
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_the_scale_does_not_matter(radiance, scale):
     view = orthographic(0.4, 0.6, height=3.0 * scale, distance=5.0 * scale)
@@ -201,21 +212,24 @@ def test_large_pictures_are_interpolated_from_a_bounded_number_of_points(radianc
 
 
 def test_maps_that_lie_where_those_of_other_scenes_lay_are_the_same(renderer, context):
-    """16 lights and 64 fill textures of one size; 256 take four, and in between a scene has none."""
-    shots = [(scene((sphere(), np.eye(4)), (plate(0, half=2.0), facing_floor()), environment=lopsided()), "64"),
-             (corner(environment=lopsided()), "16"), (corner(environment=lopsided()), "256"), (corner(), "off"),
-             (replace(corner(), materials=(WHITE, replace(BLACK, transmission=1.0))), "64")]
+    """16 lights and 64 fill textures of one size; 256 take four, and in between a scene has none. From nearby the maps
+    have more texels."""
+    ball = scene((sphere(), np.eye(4)), (plate(0, half=2.0), facing_floor()), environment=lopsided())
+    near = orthographic(0.4, 0.9, height=0.2)
+    shots = [(ball, "64", VIEW), (corner(environment=lopsided()), "16", VIEW),
+             (corner(environment=lopsided()), "256", VIEW), (corner(), "off", VIEW),
+             (replace(corner(), materials=(WHITE, replace(BLACK, transmission=1.0))), "64", VIEW), (ball, "64", near)]
 
     def draw(renderer: Renderer, k: int) -> np.ndarray:
-        model, lights = shots[k]
-        return renderer.render(model, VIEW, Settings(antialias="none", environment_shadows=lights), SIZE).linear
+        model, lights, view = shots[k]
+        return renderer.render(model, view, Settings(antialias="none", environment_shadows=lights), SIZE).linear
 
     fresh = []
     for k in range(len(shots)):
         other = Renderer(context)
         fresh.append(draw(other, k))
         other.release()
-    for k in (0, 1, 0, 2, 1, 3, 0, 4, 0, 4):
+    for k in (0, 5, 0, 1, 0, 2, 1, 3, 5, 0, 4, 0, 4):
         assert np.array_equal(draw(renderer, k), fresh[k])
     assert renderer.context.gl.error == "GL_NO_ERROR"
 
