@@ -136,3 +136,13 @@ def test_fewer_pixels_show_the_same_view(height):
     assert np.array_equal(coarse.view_projection, whole.view_projection) and np.array_equal(coarse.ray, whole.ray)
     assert np.array_equal(coarse.within(6).view_projection, whole.view_projection)
     assert Frame(model, camera, (10_000, 1)).within(100).size == (1000, 1)
+
+
+def test_pixels_across_are_those_of_the_scenes_sphere():
+    ball = scene(sphere())
+    radius, size = ball.radius, (100, 200)
+    flat = replace(Camera.look_at((0, 0, 5), (0, 0, 0)), height=radius * 4)
+    deep = Camera.look_at((0, 0, radius * 4), (0, 0, 0), fov_y=2 * math.atan(0.5))
+    inside = Camera.look_at((0, 0, radius * 0.9), (0, 0, 0))
+    found = [Frame(ball, camera, size).pixels_across for camera in (flat, deep, inside)]
+    assert found == pytest.approx([100, 100, math.inf])

@@ -23,7 +23,7 @@ from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .gbuffer import UNIT_NORMALS
 from .media_light import MediaLight
-from .shadows import Atlas, Casters, directional_tiles
+from .shadows import ATLAS_SIDE, Atlas, Casters, directional_tiles
 from .sky_shadows import MeanSurface, mean_surface, reflected
 from .sky_tints import TintAtlas
 
@@ -32,24 +32,29 @@ ROOM = 1 << 26
 """Texels of depth for all lights together; they take 256 MB."""
 MAX_TILE = 1024
 """For most models, 16 lights with tiles of 1024 x 1024 texels have a smaller error than 256 lights with 256 x 256."""
+SMALL = 400
+"""Pixels across a scene up to which its maps have half as many texels a side; so many are in a picture of 256 x 256."""
 UNIT_ATLAS, UNIT_TINTS = UNIT_NORMALS + 1, UNIT_NORMALS + 2
 BINDING = 2
 """The binding of the uniform block, after those of lights and shadows."""
 
 
 class EnvironmentShadows:
-    """The shadow maps of many lights, in batches. They do not depend on the camera.
+    """The shadow maps of many lights, in batches. The camera changes one thing: whether the scene `is_small` in the
+    picture, no more than SMALL pixels across.
 
     Where they fit, they lie in the memory of `before`, which is of no use afterwards.
     """
 
     def __init__(self, gl: moderngl.Context, environment: EnvironmentLight, plan: Plan, casters: Casters,
-                 before: EnvironmentShadows | None = None) -> None:
+                 is_small: bool, before: EnvironmentShadows | None = None) -> None:
         self._gl, self._casters, self._estimates = gl, casters, plan.estimates_indirect
         self._environment, self._rotation = environment, environment.environment.rotation
-        self._lights = environment.many_lights(plan.environment_shadows)
+        self._is_small, self._lights = is_small, environment.many_lights(plan.environment_shadows)
         self._count = len(self._lights.directions)
-        tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)
+        columns = math.ceil(math.sqrt(min(self._count, BATCH)))
+        side = ATLAS_SIDE // 2 if is_small else ATLAS_SIDE
+        tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE, side // columns)
         number = math.ceil(self._count / BATCH)
         # Estimates are made for each batch by itself, so all of its sky must be in it.
         self._parts = [slice(k, None, number) if self._estimates else slice(k * BATCH, (k + 1) * BATCH)
@@ -110,11 +115,11 @@ class EnvironmentShadows:
         """Let `show` draw the maps again, for meshes or programs that have changed."""
         self._scene = None
 
-    def holds(self, environment: EnvironmentLight, plan: Plan) -> bool:
-        """Whether these are the lights that `plan` needs of `environment`."""
+    def holds(self, environment: EnvironmentLight, plan: Plan, is_small: bool) -> bool:
+        """Whether these are the lights that `plan` needs of `environment`, in maps of the size that is needed."""
         return (environment is self._environment and environment.environment.rotation == self._rotation
                 and self._count == plan.environment_shadows and self._estimates == plan.estimates_indirect
-                and bool(self._tints) == plan.tints_sky)
+                and bool(self._tints) == plan.tints_sky and self._is_small == is_small)
 
     def add(self, programs: Programs, frame: Frame, uniforms: dict[str, object]) -> None:
         """Add shadowed and unshadowed light to the two targets of the framebuffer in use, by blending."""

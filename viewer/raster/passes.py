@@ -10,7 +10,6 @@ from ..gpu.free import free
 from ..gpu.programs import Programs
 from ..plan.model import SOLID, THIN_WALLED, Plan
 from ..scene.frame import Frame
-from ..scene.scene import Scene
 from ..settings import Settings
 from .baked_vertices import BakedVertices
 from .curves import CurvePass
@@ -66,8 +65,10 @@ class Passes:
         self._deferred = DeferredSurfaces(context, programs, depth, prepared.surfaces)
         self._generation = prepared.generation
 
-    def prepare(self, scene: Scene, settings: Settings, plan: Plan) -> None:
-        """Make what the passes of `plan` need and the camera does not change, unless an earlier frame has left it."""
+    def prepare(self, pixels: Frame, settings: Settings, plan: Plan) -> None:
+        """Make what the passes of `plan` need of the whole scene, unless an earlier frame has left it. `pixels` is the
+        view at one sample a pixel."""
+        scene = pixels.scene
         environment, mean = self._prepared.environment, self._prepared.surfaces.textures.mean
         if self._generation != self._prepared.generation:
             self._generation = self._prepared.generation
@@ -84,7 +85,7 @@ class Passes:
                 self._media.prepare(scene, settings, plan, environment, self._shadows.of(plan), self._casters, mean)
         if plan.environment_shadows and plan.has_visibility:
             with self._watch.preparing("environment shadows"):
-                self._visibility.prepare(scene, plan, environment, self._media.light_in_fog(plan), self._casters, mean)
+                self._visibility.prepare(pixels, plan, environment, self._media.light_in_fog(plan), self._casters, mean)
         if plan.ground is not None:
             with self._watch.preparing("ground"):
                 self._ground.prepare(scene, plan, environment)

@@ -185,10 +185,10 @@ class Renderer:
         deferred = (settings.defers(self.context.is_software, still, size)
                     and most_texels(self.context) >= MOST_TEXELS)
         plan = self.plan = self._prepared.prepare(scene, settings, target, camera.height is not None, deferred)
-        self._passes.prepare(scene, settings, plan)
+        pixels = Frame(scene, camera, size, self._depth.is_reversed)
+        self._passes.prepare(pixels, settings, plan)
         target.set_part(part)
         frame = Frame(scene, camera, target.drawn_size, self._depth.is_reversed)
-        pixels = Frame(scene, camera, size, self._depth.is_reversed)
         self._passes.draw(plan, frame, pixels, target, settings, still)
         self._gl.clear_samplers()
         with self._watch.drawing("resolve"):

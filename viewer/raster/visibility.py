@@ -14,9 +14,8 @@ from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
-from ..scene.scene import Scene
 from .environment import EnvironmentLight
-from .environment_shadows import EnvironmentShadows
+from .environment_shadows import SMALL, EnvironmentShadows
 from .gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from .media_light import MediaLight
 from .shadows import Casters
@@ -35,13 +34,14 @@ class VisibilityPass:
         self._targets: Reusable[_Targets] = Reusable()
         self._shadows: EnvironmentShadows | None = None
 
-    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, fog: MediaLight | None, casters: Casters,
-                mean: Callable[[Draw, str], np.ndarray]) -> None:
+    def prepare(self, pixels: Frame, plan: Plan, environment: EnvironmentLight, fog: MediaLight | None,
+                casters: Casters, mean: Callable[[Draw, str], np.ndarray]) -> None:
         """Draw the shadow maps that `plan` needs, unless they are there. `fog` is the light in it, and `mean` gives
         that of a material's map."""
-        if self._shadows is None or not self._shadows.holds(environment, plan):
-            self._shadows = EnvironmentShadows(self._gl, environment, plan, casters, before=self._shadows)
-        self._shadows.show(scene, plan, fog, mean)
+        is_small = pixels.pixels_across <= SMALL
+        if self._shadows is None or not self._shadows.holds(environment, plan, is_small):
+            self._shadows = EnvironmentShadows(self._gl, environment, plan, casters, is_small, before=self._shadows)
+        self._shadows.show(pixels.scene, plan, fog, mean)
 
     def forget_scene(self, plan: Plan) -> None:
         """Let the shadow maps be drawn again, for meshes or programs that have changed. Their memory is kept if the

@@ -54,6 +54,17 @@ class Frame:
         matrix[3, 3] = 1.0
         return matrix
 
+    @property
+    def pixels_across(self) -> float:
+        """How many pixels a sphere as large as the scene takes at its centre; infinite where the eye is in it."""
+        height = self.camera.height
+        if height is not None:
+            return 2 * self.scene.radius / height * self.size[1]
+        distance = float(np.linalg.norm(self.camera.eye - self.scene.center))
+        if distance <= self.scene.radius:
+            return math.inf
+        return self.scene.radius / (distance * math.tan(self.camera.fov_y / 2)) * self.size[1]
+
     def model(self, transform: np.ndarray) -> np.ndarray:
         """Mesh (world = transform @ local) to eye-relative space, (4, 4) float64."""
         return self._to_eye @ transform
