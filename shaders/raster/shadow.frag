@@ -2,6 +2,9 @@
 // blended surface, and what a pane transmits (PANE) by its luminance, since a depth has no colour.
 #if ALPHA_MODE || PANE
 #include "material/uniforms.glsl"
+#if ALPHA_MODE == 1
+#include "raster/alpha_mask.glsl"
+#endif
 #endif
 
 #if PANE
@@ -46,7 +49,7 @@ void main() {
     MaterialInputs m = read_inputs();
     float covered = 1.0;
 #if ALPHA_MODE == 1
-    if (m.base_color.a < u_alpha_cutoff) discard;
+    if (mask_coverage(m.base_color.a) < 1.0) discard;
 #elif ALPHA_MODE == 2
     covered = m.base_color.a;
 #endif

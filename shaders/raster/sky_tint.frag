@@ -2,6 +2,9 @@
 // surfaces: -log of what each of them passes on, which a thin wall does once and a solid at either face, and in a
 // solid sigma_t d, as the difference of the depths of its faces. Light is taken to go straight on.
 #include "material/uniforms.glsl"
+#if ALPHA_MODE == 1
+#include "raster/alpha_mask.glsl"
+#endif
 #include "raster/straight_through.glsl"
 
 in vec3 v_position;       // in scene units
@@ -16,7 +19,7 @@ const float LEAST = 1e-3; // of what a surface passes on, within the range of ha
 void main() {
     MaterialInputs m = read_inputs();
 #if ALPHA_MODE == 1
-    if (m.base_color.a < u_alpha_cutoff) discard;
+    if (mask_coverage(m.base_color.a) < 1.0) discard;
 #endif
     vec3 n = cross(dFdx(v_position), dFdy(v_position));
     float mu = min(abs(dot(n, u_light.xyz)) / max(length(n), 1e-30), 1.0);

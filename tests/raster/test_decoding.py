@@ -20,6 +20,7 @@ from viewer.errors import InputError
 from viewer.plan.planner import plan_scene
 from viewer.raster.sampled_images import channels_read, decode_ahead, sampled_images
 from viewer.scene.decoding import Decoder, decode_levels
+from viewer.scene.mask_levels import MaskMap
 from viewer.scene.material import Material, Texture
 from viewer.scene.texture_image import open_texture_image
 from viewer.settings import Settings
@@ -100,15 +101,15 @@ def test_what_another_plan_read_is_kept(scene):
     assert channels_read(plan, {image: "RGBA"})[image] == "RGBA"
 
 
-@pytest.mark.parametrize("material, letters", [
-    (Material(alpha_mode="opaque"), "RGB"), (Material(alpha_mode="mask"), "RGBC"),
-    (Material(alpha_mode="blend"), "RGBC"),
+@pytest.mark.parametrize("material, letters, meaning", [
+    (Material(alpha_mode="opaque"), "RGB", "srgb"), (Material(alpha_mode="mask"), "RGBC", MaskMap(0.5, True)),
+    (Material(alpha_mode="mask", alpha_cutoff=0.0), "RGBC", "srgb"), (Material(alpha_mode="blend"), "RGBC", "srgb"),
 ])
-def test_only_alpha_that_covers_is_read_as_coverage(pixels, material, letters):
+def test_only_alpha_that_covers_is_read_as_coverage(pixels, material, letters, meaning):
     texture = Texture(encoded(pixels))
     plan = plan_scene(scene_of(plate(), materials=[replace(material, base_color_texture=texture)]), Settings(), (),
                       samples=1, half_target=False, orthographic=False)
-    assert channels_read(plan, {}) == {(texture.image, "srgb"): letters}
+    assert channels_read(plan, {}) == {(texture.image, meaning): letters}
 
 
 def test_an_opaque_map_keeps_what_its_alpha_would_hide(pixels):

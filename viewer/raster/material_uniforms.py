@@ -11,6 +11,7 @@ from ..gpu.programs import set_uniform
 from ..material.pack import uniforms
 from ..material.weave import WeaveBinding
 from ..plan.model import Draw
+from ..scene.mask_levels import mask_map
 from ..scene.material import VOLUME, Material, UVTransform
 from ..scene.schema import MAPS, Value
 from .subsurface_uniforms import interior_uniforms
@@ -68,9 +69,18 @@ class MaterialUniforms:
         else:
             self._textures.bind(draw, name, unit)
         set_uniform(program, f"u_{name}_map", unit)
+        if name == "base_color":
+            set_uniform(program, "u_mask_levels", _mask_levels(draw.surface) if texture is not None else 0)
         if draw.program[f"{name.upper()}_TRANSFORM"]:
             transform = (texture and texture.transform) or UVTransform()
             set_uniform(program, f"u_{name}_transform", transform.matrix().T.astype(np.float32).tobytes())
 
     def release(self) -> None:
         self._weave.release()
+
+
+def _mask_levels(material: Material) -> int:
+    """What shaders/raster/alpha_mask.glsl has to know of the levels of its base colour."""
+    if material.base_color_texture is None or mask_map("base_color", material) is None:
+        return 0
+    return {"nearest": 1, "linear": 2}[material.base_color_texture.sampler.mip_filter or "linear"]

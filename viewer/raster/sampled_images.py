@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from ..plan.model import Draw, Plan
 from ..plan.planner import plan_scene
 from ..scene.decoding import Decoder, Key, Meaning
+from ..scene.mask_levels import mask_map
 from ..scene.scene import Scene
 from ..scene.schema import MAPS
 from ..scene.sheen_levels import sheen_map
@@ -57,4 +58,4 @@ def sampled_images(plan: Plan, channels: Mapping[tuple[TextureImage, Meaning], s
 
 def meaning_of(draw: Draw, name: str) -> Meaning:
     """What the numbers of a map of a draw are. It follows from the material, for all passes that read the map."""
-    return sheen_map(name, draw.surface) or MAPS[name].info.encoding
+    return sheen_map(name, draw.surface) or mask_map(name, draw.surface) or MAPS[name].info.encoding

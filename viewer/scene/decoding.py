@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from ..scene.color import srgb_to_linear
+from ..scene.mask_levels import MaskMap
 from ..scene.mip_levels import mip_levels, without_hidden
 from ..scene.normal_spread import with_spread
 from ..scene.parameter import Encoding
 from ..scene.sheen_levels import SheenMap
 from ..scene.texture_image import TextureImage
 
-Meaning = Encoding | SheenMap
+Meaning = Encoding | SheenMap | MaskMap
 """What the numbers of an image are to a map, and to those beside it."""
 Key = tuple[TextureImage, str, Meaning]
 """An image, the channels to read (R, RGB, RGBA, or RGBC where the fourth is coverage, and RGBCO where opaque surfaces
@@ -77,7 +78,7 @@ class Decoder:
 
 def encoding_of(meaning: Meaning) -> Encoding:
     """That of the numbers alone."""
-    return meaning.encoding if isinstance(meaning, SheenMap) else meaning
+    return meaning.encoding if isinstance(meaning, (SheenMap, MaskMap)) else meaning
 
 
 def decode_levels(image: TextureImage, channels: str, meaning: Meaning) -> list[np.ndarray]:
@@ -85,7 +86,8 @@ def decode_levels(image: TextureImage, channels: str, meaning: Meaning) -> list[
 
     They are uint8 (encoded as sRGB if the image is) or uint16. sRGB images with 16 bits are decoded to linear float16.
     Those of normals have a fourth channel for the spread of the normals (`with_spread`). Those of RGBC have the colours
-    that are seen, and those of a `SheenMap` what reflects as it does with the maps beside it.
+    that are seen, those of a `SheenMap` what reflects as it does with the maps beside it, and those of a `MaskMap` the
+    share that stands.
     """
     if meaning == "normal":
         return with_spread(mip_levels(image.decode("RGB")))
@@ -93,6 +95,8 @@ def decode_levels(image: TextureImage, channels: str, meaning: Meaning) -> list[
     pixels = _pixels(image, channels, is_srgb)
     if isinstance(meaning, SheenMap):
         return meaning.levels(pixels)
+    if isinstance(meaning, MaskMap):
+        return meaning.levels(pixels, is_srgb and pixels.dtype == np.uint8)
     levels = mip_levels(pixels, is_srgb and pixels.dtype == np.uint8, covers="C" in channels)
     return without_hidden(levels) if channels == "RGBC" else levels
 
