@@ -2,10 +2,10 @@
 #include "sample/one_minus_cosine.glsl"
 
 // 1 / d^2, windowed by range: clamp(1 - (d / range)^4)       KHR_lights_punctual, "Range Property"
-// The minimum of d2 prevents a division by 0 at the light: 1e-8 is (1e-4 of the scene's radius)^2.
-float distance_attenuation(float d2, float inv_range2) {
+// The least d2 prevents a division by 0 at the light.
+float distance_attenuation(float d2, float inv_range2, float least) {
     float x = d2 * inv_range2;
-    return clamp(1.0 - x * x, 0.0, 1.0) / max(d2, 1e-8);
+    return clamp(1.0 - x * x, 0.0, 1.0) / max(d2, least);
 }
 
 // clamp(offset - scale (1 - cos))^2 of the angle between the direction of light and a spot's axis, both of length 1

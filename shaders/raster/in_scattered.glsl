@@ -44,6 +44,9 @@ struct Scattering {
     float mean_cosine;
     vec4 of_lights; // albedo, and the phase function (media/any_phase.glsl), of light of lights
     vec3 emission; // radiance for each optical depth
+#if LIGHT_COUNT > 0
+    int light_count;
+#endif
 #if HAS_ENVIRONMENT
     Sky sky;
 #endif
@@ -82,6 +85,9 @@ Scattering fog_scattering(vec3 direction) {
     medium.mean_cosine = u_fog_scattering.a;
     medium.of_lights = u_fog_of_lights;
     medium.emission = vec3(0.0);
+#if LIGHT_COUNT > 0
+    medium.light_count = LIGHT_COUNT;
+#endif
 #if HAS_ENVIRONMENT
     medium.sky = scattered_sky(u_sky_in_fog, direction);
 #endif
@@ -100,6 +106,9 @@ Scattering volume_scattering(vec3 direction) {
     medium.mean_cosine = u_volume_scattering.a;
     medium.of_lights = u_volume_of_lights;
     medium.emission = u_volume_emission;
+#if LIGHT_COUNT > 0
+    medium.light_count = LIGHTS_IN_VOLUMES;
+#endif
 #if HAS_ENVIRONMENT
     medium.sky = scattered_sky(u_sky_in_volumes, direction);
 #endif
@@ -111,11 +120,11 @@ Scattering volume_scattering(vec3 direction) {
 // The mean of D^2 / d^2 over a step, with d the distance to a light and D that at the point `at`. From a point, the
 // step is seen under an angle theta, and the mean of 1 / d^2 is theta / (h length), with h the distance of the ray from
 // it (Kulla & Fajardo 2012). So a light in the middle of a fog needs no more steps than any other.
-float near_light(Ray ray, vec3 position, float from, float to, float at) {
-    vec3 to_light = position - ray.origin;
+float near_light(Ray ray, int i, float from, float to, float at) {
+    vec3 to_light = u_lights[i].position.xyz - ray.origin;
     float middle = dot(to_light, ray.direction);
     vec3 across = to_light - middle * ray.direction;
-    float h2 = max(dot(across, across), 1e-8), h = sqrt(h2); // the same bound as in light/attenuation.glsl
+    float h2 = max(dot(across, across), u_lights[i].cone.z), h = sqrt(h2); // as in light/attenuation.glsl
     float a = from - middle, b = to - middle, d = at - middle;
     float theta = atan(h * (b - a), h2 + a * b);
     return (h2 + d * d) * theta / (h * max(b - a, 1e-20));
@@ -149,23 +158,28 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
     around.scattered *= left;
 #endif
     vec3 sum = around.scattered;
+#if EMITS
+    int last = textureSize(u_media_light, 0).z / textureSize(u_media_light, 0).x - 1;
+    if (medium.emission != vec3(0.0)) sum += part_of_cubes(u_media_light, in_grid(u_volume_grid, p), last).rgb;
+#endif
 #if HAS_ENVIRONMENT
     sum += seen_sky(medium.sky, around.hidden);
 #endif
     sum *= medium.albedo;
 #if LIGHT_COUNT > 0
-    int i = 0;
-    do {
+    int k = 0;
+    if (medium.light_count > 0) do {
+        int i = light_in_media(k);
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, p, l);
-        if (i >= DIRECTIONAL_COUNT) irradiance *= near_light(ray, u_lights[i].position.xyz, from, to, at);
+        if (i >= DIRECTIONAL_COUNT) irradiance *= near_light(ray, i, from, to, at);
         float arriving = light_in_medium(i, p, l);
         float scattered = any_phase(medium.of_lights.a, -l, -ray.direction) * arriving;
         sum += medium.of_lights.rgb * irradiance * scattered;
 #if DENSE
         sum += medium.albedo * light_below_face(irradiance, arriving, p, l, around.hidden.yzw, medium);
 #endif
-    } while (++i < LIGHT_COUNT);
+    } while (++k < medium.light_count);
 #endif
     return sum + medium.emission;
 }

@@ -11,6 +11,18 @@
 #endif
 
 #if LIGHT_COUNT > 0
+// The last of the point lights may stand for what volumes emit. They light fog, but no volumes: these know of it
+// by their grid. So loops over lights in media have them at the end.
+#define LIGHTS_IN_VOLUMES (LIGHT_COUNT - VOLUME_LIGHTS)
+int light_in_media(int k) {
+#if VOLUME_LIGHTS > 0
+    const int FIRST = DIRECTIONAL_COUNT + POINT_COUNT - VOLUME_LIGHTS;
+    if (k >= LIGHTS_IN_VOLUMES) return k - LIGHTS_IN_VOLUMES + FIRST;
+    if (k >= FIRST) return k + VOLUME_LIGHTS;
+#endif
+    return k;
+}
+
 // The share of light i that no mesh keeps from p
 float unshadowed_by_meshes(int i, vec3 p) {
 #if SHADOW_LAYERS > 0

@@ -47,6 +47,9 @@ vec2 seen_past_meshes(int k, vec3 p, float side) {
 
 uniform int u_side; // cells along a side of the grid
 uniform vec4 u_grid; // its lowest corner in eye-relative units, and 1 / its length
+#if LIGHT_COUNT > 0
+uniform int u_light_count; // of those that light its medium
+#endif
 
 layout(location = 0) out vec4 o_fluence; // rgb; a: of light that has the fluence 1 outside, the same from everywhere
 // The opacity of the media as a + b . direction, by least squares: before the light of the environment, and all around
@@ -131,12 +134,13 @@ void main() {
 #endif
 #if LIGHT_COUNT > 0
     float nearest = 0.5 / (u_grid.w * float(u_side)); // a cell's mean of 1 / d^2 about a light is finite
-    for (int i = 0; i < LIGHT_COUNT; ++i) {
+    for (int k = 0; k < u_light_count; ++k) {
+        int i = light_in_media(k);
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, p, l);
         if (i >= DIRECTIONAL_COUNT) {
             vec3 d = u_lights[i].position.xyz - p;
-            irradiance *= min(dot(d, d) / (nearest * nearest), 1.0);
+            irradiance *= min(max(dot(d, d), u_lights[i].cone.z) / (nearest * nearest), 1.0);
         }
         float depth = media_depth(p, l, i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p));
         irradiance *= mean_transmittance(depth, depth_of_cell) * unshadowed_by_meshes(i, p);

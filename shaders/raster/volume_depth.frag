@@ -19,6 +19,10 @@ void main() {
         if (i >= LIGHT_COUNT) break;
         vec3 l;
         punctual_irradiance(i, p, l);
+#if VOLUME_LIGHTS > 0
+        int last = DIRECTIONAL_COUNT + POINT_COUNT;
+        if (i >= last - VOLUME_LIGHTS && i < last) continue; // what comes out of the volumes
+#endif
         float reach = i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p);
         o_depth[k] = min(volumes_depth_ahead(p, l, reach, u_side), 1e4);
     }

@@ -26,7 +26,7 @@ vec3 punctual_irradiance(int i, vec3 p, vec2 u, out vec3 l, out float distance) 
     float d2 = dot(d, d);
     distance = sqrt(d2);
     l = d * inversesqrt(max(d2, 1e-30));
-    vec3 irradiance = intensity.rgb * distance_attenuation(d2, position.w)
+    vec3 irradiance = intensity.rgb * distance_attenuation(d2, position.w, 1e-8)
                     * angular_attenuation(-l, axis.xyz, vec2(intensity.w, axis.w));
 #if LIGHT_RADIUS
     // A sphere of radiance I / (pi r^2), sampled uniformly by solid angle. A surface that faces the sample has the

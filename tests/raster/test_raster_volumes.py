@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import WHITE, constant, facing_floor, moved, orthographic, pixel_points, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, moved, orthographic, pixel_points, plate, scene, seen_plane, sphere
 
 from viewer.bake.many_lights import uniform_lights
 from viewer.plan.media import MAX_VOLUMES
@@ -150,6 +150,48 @@ def test_emission(radiance, sigma):
     expected = 3 * depth if sigma < 1 else 3 / sigma * (1 - np.exp(-sigma * depth))
     assert found[..., 0] == pytest.approx(expected, abs=0.02 * expected.max())
     assert found[..., 1] == pytest.approx(found[..., 0] / 3, rel=1e-3)
+
+
+@pytest.fixture(scope="module")
+def burning() -> Scene:
+    """A glowing cube over a white floor that reaches beyond its grid."""
+    cube = Volume.in_box(np.ones((4, 4, 4), np.float32), [[-0.5, 1.5, -0.5], [0.5, 2.5, 0.5]])
+    return with_volumes(scene((plate(half=4.0), facing_floor())), cube)
+
+
+GLOW = {"volume_density": 0.0, "volume_emission": (2, 1, 0), "background": "none"}
+FROM_ABOVE = orthographic(elevation=1.5, height=6.0)
+
+
+def test_what_volumes_emit_lights_surfaces(radiance, burning):
+    """The irradiance below a point of the cube is its intensity times cos / d^2."""
+    found = radiance(burning, FROM_ABOVE, SIZE, **GLOW)
+    grid = (np.arange(16) + 0.5) / 16
+    source = np.stack(np.meshgrid(grid - 0.5, grid + 1.5, grid - 0.5, indexing="ij"), axis=-1).reshape(-1, 3)
+    on_floor = seen_plane(FROM_ABOVE, SIZE, (0, 1, 0))
+    squares = ((source - on_floor[..., None, :]) ** 2).sum(axis=-1)
+    expected = 2 * (source[:, 1] / squares**1.5).mean(axis=-1) / np.pi
+    beside = np.abs(on_floor).max(axis=-1) > 1.2  # the cube is not in the way
+    assert found[beside, 0] == pytest.approx(expected[beside], rel=0.02)
+    assert found[..., 1] == pytest.approx(found[..., 0] / 2, rel=1e-3)
+
+
+def test_others_stand_before_what_volumes_emit(radiance, burning):
+    lid = scene((plate(half=4.0), facing_floor()), (plate(half=1.0), facing_floor(y=1.0)))
+    camera = Camera.look_at((0, 0.5, 1.2), (0, 0, 0))
+    lit, shaded = (radiance(replace(model, volumes=burning.volumes), camera, SIZE, **GLOW)[8, 8, 0]
+                   for model in (burning, lid))
+    assert lit > 0.05 and shaded < 1e-3 * lit
+
+
+def test_what_volumes_emit_lights_fog_and_themselves(radiance, burning):
+    """What absorbs nothing keeps none of its light, and is brighter in the middle, where that leaves late."""
+    alone = replace(burning, instances=())
+    [beside] = radiance(alone, Camera.look_at((2, 2, 5), (2, 2, 0)), (1, 1), fog=0.02, **GLOW)[0]
+    assert 0 < beside[1] == pytest.approx(beside[0] / 2, rel=1e-3)
+    [clear, white] = (radiance(alone, Camera.look_at((0, 2, 5), (0, 2, 0)), (1, 1), **GLOW | {
+        "volume_density": density, "volume_albedo": (1, 1, 1)})[0, 0, 0] for density in (0.0, 5.0))
+    assert clear == pytest.approx(2, rel=0.02) and white > clear
 
 
 def test_volumes_shadow_surfaces(radiance):

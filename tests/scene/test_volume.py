@@ -163,15 +163,6 @@ def test_a_volume_that_emits_is_not_black():
     assert "will be black" in black and empty == "volume 'density' is 0 everywhere: there is nothing to draw"
 
 
-def test_light_of_volumes_that_the_raster_lacks_is_told():
-    burning = replace(scene(sphere(segments=12)), volumes=smoky().volumes)
-    glowing = Settings(volume_emission=(1.0,) * 3)
-    for shown, settings in ((burning, glowing), (smoky(), replace(glowing, fog=1.0))):
-        [line] = picture_warnings(shown, settings)
-        assert "what volumes emit lights nothing in mode pbr" in line
-        assert picture_warnings(shown, replace(settings, mode="path")) == []
-
-
 def test_a_mean_cosine_beside_droplets_is_told_to_have_no_effect():
     lit = replace(smoky(), lights=(Light("directional"),))
     foggy = replace(scene(sphere(segments=12)), lights=lit.lights)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..bake.environment import bake_environment
+from ..plan.media import lights_of_volumes
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
 from ..quality import DRAFT, Quality
@@ -153,7 +154,8 @@ def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
     is_lit, is_reflected = environment_use(scene, settings)
     suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
         if is_lit and scene.environment is not None else ()
-    plan = plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
+    lights = [*scene.lights, *suns, *lights_of_volumes(scene, settings)]
+    plan = plan_scene(scene, settings, lights, half_target=True, orthographic=False,
                       samples=settings.samples(is_software=False, is_still=True),
                       deferred=settings.defers(is_software=False, is_still=True))
     if settings.mode == "pbr" and settings.caustics == "photons":

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..bake.similarity import without_peak
+from ..bake.volume_lights import volume_lights
 from ..scene.fog import fog_medium
+from ..scene.light import Light
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import volume_medium
@@ -26,10 +28,12 @@ where they are looked up."""
 
 @dataclass(frozen=True)
 class MediaPlan:
-    """The programs of viewer/raster/media.py and media_light.py. `depth` is None without volumes or lights."""
+    """The programs of viewer/raster/media.py and media_light.py. `depth` is None without volumes or lights, and `glow`,
+    for what volumes emit, if they scatter nothing of that."""
 
     march: Program
     bake: Program
+    glow: Program | None
     depth: Program | None
     scatters_again: bool
     """Whether light that has been scattered is scattered once more."""
@@ -50,7 +54,7 @@ class MediaPlan:
 
     @property
     def programs(self) -> tuple[Program, ...]:
-        return tuple(program for program in (self.march, self.bake, self.depth) if program is not None)
+        return tuple(program for program in (self.march, self.bake, self.glow, self.depth) if program is not None)
 
 
 def has_media(scene: Scene, settings: Settings) -> bool:
@@ -65,8 +69,26 @@ def media_switches(scene: Scene, settings: Settings) -> dict[str, int]:
             "FOG_HEIGHT": int(fog and settings.fog_height > 0), "VOLUMES": min(len(scene.volumes), MAX_VOLUMES)}
 
 
-def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> MediaPlan | None:
-    """The plan of the media, None without any. `common` are the switches that all lit surfaces have in common."""
+def lights_of_volumes(scene: Scene, settings: Settings) -> tuple[Light, ...]:
+    """The lights that stand for what volumes emit."""
+    return volume_lights(scene.volumes[:MAX_VOLUMES], volume_medium(settings)) if sends_light(scene, settings) else ()
+
+
+def sends_light(scene: Scene, settings: Settings) -> bool:
+    """Whether volumes emit light, and there is anything for it to fall on."""
+    return (bool(scene.volumes) and any(settings.volume_emission) and not settings.shows_values
+            and (bool(scene.instances or scene.curves) or settings.fog > 0))
+
+
+def _scatters_emission(scene: Scene, settings: Settings) -> bool:
+    """Whether volumes scatter what they emit."""
+    return (bool(scene.volumes) and any(settings.volume_emission) and volume_medium(settings).scatters
+            and settings.media_scattering == "multiple")
+
+
+def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int], from_volumes: int) -> MediaPlan | None:
+    """The plan of the media, None without any. `common` are the switches that all lit surfaces have in common, and
+    the last `from_volumes` of the point lights stand for what volumes emit."""
     switches = media_switches(scene, settings)
     if not switches["MEDIA"]:
         return None
@@ -76,13 +98,18 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
     lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and hides_light(scene, settings))
     extinction = travelled(volume_medium(settings), settings).sigma_t[0]
+    lit["VOLUME_LIGHTS"] = from_volumes
     lit["DENSE"] = int(any(extinction * volume.greatest_depth > DENSE for volume in scene.volumes[:MAX_VOLUMES]))
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
     droplets = any(medium.droplet_diameter > 0 for medium, is_there in (
         (fog_medium(settings), switches["FOG"]), (volume_medium(settings), switches["VOLUMES"])) if is_there)
-    return MediaPlan(Program.of("raster/media_march.frag", lit | {"SLICES": SLICES, "HAS_DROPLETS": int(droplets)}),
-                     Program.of("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
-                     Program.of("raster/volume_depth.frag", switches | lights) if has_depth else None,
+    towards_lights = switches | lights | {"VOLUME_LIGHTS": from_volumes}
+    emits = _scatters_emission(scene, settings)
+    march, bake = {"SLICES": SLICES, "HAS_DROPLETS": int(droplets), "EMITS": int(emits)}, {"SKY_LIGHTS": SKY_LIGHTS}
+    return MediaPlan(Program.of("raster/media_march.frag", lit | march),
+                     Program.of("raster/media_bake.frag", lit | bake),
+                     Program.of("raster/media_bake.frag", lit | bake | {"FOG": 0, "FOG_HEIGHT": 0}) if emits else None,
+                     Program.of("raster/volume_depth.frag", towards_lights) if has_depth else None,
                      settings.media_scattering == "multiple")
 
 

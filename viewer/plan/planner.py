@@ -142,7 +142,7 @@ def plan_scene(
         background=background,
         ground=plan_ground(settings, common, any(draw.hides_sky for draw in kinds) or curves),
         background_blur=settings.background_blur if background else 0.0,
-        media=plan_media(scene, settings, common),
+        media=plan_media(scene, settings, common, sum(light.radius > 0 for light in shown_lights)),
         curves=plan_curves(scene, settings, common),
         wireframe=settings.show == "wireframe",
         grid=settings.grid == "on",
@@ -154,13 +154,13 @@ def plan_scene(
 
 
 def ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
-    """The lights that shaders get: directional, point, then spot lights. Lights without intensity are dropped, and so
-    are all but the MAX_LIGHTS brightest."""
+    """The lights that shaders get: directional, point, then spot lights. Of the point lights, those that stand for what
+    volumes emit are the last. Lights without intensity are dropped, and so are all but the MAX_LIGHTS brightest."""
     bright = [light for light in lights if light.intensity * max(light.color) > 0]
     if len(bright) > MAX_LIGHTS:
         bright = sorted(bright, key=lambda light: -light.intensity * max(light.color))[:MAX_LIGHTS]
     order = ("directional", "point", "spot")
-    return tuple(sorted(bright, key=lambda light: order.index(light.kind)))
+    return tuple(sorted(bright, key=lambda light: (order.index(light.kind), light.radius > 0)))
 
 
 def _has_indirect(scene: Scene, settings: Settings) -> bool:

@@ -76,10 +76,6 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     if scene.volumes and any(settings.volume_emission) and _misses_emission(settings):
         lines.append("volume_density is 0, so that mode path does not show what volumes emit: its paths find it where "
                      "they collide")
-    is_beside = bool(scene.instances or scene.curves) or settings.fog > 0
-    if not is_traced and any(settings.volume_emission) and any(v.maximum > 0 for v in scene.volumes) and is_beside:
-        lines.append(f"what volumes emit lights nothing in mode {settings.mode}; mode path shows its light on surfaces "
-                     "and in fog")
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..gpu.context import Context
 from ..gpu.programs import Programs
 from ..plan.model import Plan
@@ -40,13 +42,16 @@ class BakedVertices:
 
     def _bake_light(self, scene: Scene, settings: Settings, plan: Plan) -> None:
         """Bake indirect light, anew under other lights."""
-        key = (scene.lights, scene.environment, settings.ndf, settings.masking, settings.fresnel, settings.multiscatter,
-               plan.has_subsurface)
+        from_volumes = tuple(light for light in plan.lights if light.radius > 0)
+        key = (scene.lights, from_volumes, scene.environment, settings.ndf, settings.masking, settings.fresnel,
+               settings.multiscatter, plan.has_subsurface)
         if self._lit_by != key or not self._attributes.has_indirect:
             from ..trace.chords import light_behind
             from ..trace.vertex_light import bake_incoming
 
-            light = bake_incoming(self._context, scene, settings, programs=self._programs)
+            # Lights that stand for what volumes emit are what has come out of them.
+            lit = replace(scene, lights=(*scene.lights, *from_volumes), volumes=()) if from_volumes else scene
+            light = bake_incoming(self._context, lit, settings, programs=self._programs)
             solids = _scattering_solids(plan)
             self._attributes.light_vertices(light, light_behind(self._context, scene, solids, light) if solids else {})
             self._lit_by = key

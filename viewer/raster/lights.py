@@ -8,6 +8,9 @@ from ..plan.model import Plan
 from ..scene.frame import Frame
 from ..scene.light import BRIGHTEST
 
+_NEAREST = 1e-8
+"""The least square of a distance, which prevents a division by 0 at the light: (1e-4 of the scene's radius)^2."""
+
 
 def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
     """The lights, (N, 4, 4) float32: position, direction, intensity, cone, in eye-relative units.
@@ -23,4 +26,5 @@ def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
         row[2, :3] = np.minimum(np.multiply(light.color, scale), BRIGHTEST)
         row[2, 3] = light.angular_radius**2
         row[3, :2] = light.cone
+        row[3, 2] = max((light.radius / frame.unit) ** 2, _NEAREST)
     return np.clip(rows, -3e38, 3e38).astype(np.float32)

@@ -88,7 +88,7 @@ class MediaPass:
         grids = [grid for grid in _grids(frame, settings) if grid is not None]
         self._drop_lights(_KEPT - 1)
         from_sky = environment.sky_lights(plan) if environment is not None else None
-        around_meshes, sky_shadows, parts = [], None, 3 * len(grids)
+        around_meshes, sky_shadows, parts = [], None, 3 * len(grids) + (plan.media.glow is not None)
         if plan.media.has_sky_shadows and from_sky is not None:
             around_meshes = [_scene_grid(frame, grids[0].medium)] * plan.media.has_fog
             parts += 2 * (len(grids) + len(around_meshes))

@@ -45,7 +45,8 @@ class MediaLight:
     """`texture` has three parts along z for each grid: scattered radiance, and the opacity of the media as
     a + b . direction, before the light of the environment and all around. Where meshes stand before the environment,
     two more parts follow for each grid, and for that about the meshes: the opacity of both before its light, and in g
-    what meshes leave of the scattered radiance. `depths` has a part for every four lights, and is None without volumes
+    what meshes leave of the scattered radiance. The last part is the mean radiance of what volumes emit themselves,
+    where they scatter it. `depths` has a part for every four lights, and is None without volumes
     or lights."""
 
     def __init__(self, gl: moderngl.Context, parts: int, lights: int) -> None:
@@ -65,6 +66,8 @@ class MediaLight:
             self.depths.write(np.stack(parts))
         outputs, layers, past_meshes = 7 + plan.has_sky_shadows, [], []
         for grid in grids:
+            is_fog = plan.has_fog and grid is grids[0]
+            uniforms["u_light_count"] = plan.bake["LIGHT_COUNT"] - plan.bake["VOLUME_LIGHTS"] * (not is_fog)
             unscattered, hidden, opacity, extinction, *flux = self._draw(
                 programs, plan.bake, outputs, SIDE, uniforms, grid)
             if plan.has_sky_shadows:
@@ -81,6 +84,9 @@ class MediaLight:
         for grid in around_meshes:
             drawn = self._draw(programs, plan.bake, outputs, SIDE, uniforms, grid)
             past_meshes += [drawn[7], drawn[3]]
+        if plan.glow is not None:
+            past_meshes.append(_glow(self._draw(programs, plan.glow, outputs, SIDE, uniforms, grids[-1]), grids[-1],
+                                          uniforms["u_volume_emission"]))
         self.texture.write(np.stack([*layers, *past_meshes]))
         middle = slice(SIDE // 2 - 1, SIDE // 2 + 1)
         self._middle = np.stack(layers[:3])[:, middle, middle, middle].mean(axis=(1, 2, 3), dtype=np.float64)
@@ -118,6 +124,22 @@ class MediaLight:
         for texture in (self.texture, self.depths):
             if texture is not None:
                 texture.release()
+
+
+def _glow(drawn: Sequence[np.ndarray], grid: Grid, emission: Sequence[float]) -> np.ndarray:
+    """The mean radiance over all directions of light that a medium emits itself, with what it scatters of it: (SIDE,
+    SIDE, SIDE, 4). What emits the radiance e for each optical depth sends e (1 - exp(-depth)) from a direction: e times
+    its opacity, a + b . d. So its fluence is 4 pi a e, and its flux -4/3 pi b e."""
+    unscattered, _, opacity, extinction, *flux = drawn
+    own, own_flux = unscattered.copy(), np.stack(flux[:3])
+    own[..., :3] = 4 * np.pi * np.maximum(opacity[..., :1], 0) * np.float32(emission)
+    for axis, part in enumerate(own_flux):
+        part[..., :3] = -4 / 3 * np.pi * opacity[..., 1 + axis, None] * np.float32(emission)
+    light = scattered_light(extinction[..., 0], _finite(own), _finite(own_flux), opacity[..., 0], grid.length / SIDE,
+                            grid.medium.albedo, mean_cosine(grid.medium))
+    result = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
+    result[..., :3] = (light.fluence + own[..., :3]) / (4 * np.pi)
+    return result
 
 
 def _finite(light: np.ndarray) -> np.ndarray:

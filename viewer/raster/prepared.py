@@ -10,7 +10,7 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.free import free
 from ..gpu.programs import Programs
-from ..plan.media import has_media
+from ..plan.media import has_media, lights_of_volumes, sends_light
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
 from ..scene.decoding import Decoder
@@ -18,6 +18,7 @@ from ..scene.environment import Environment
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
+from ..scene.volume import volume_medium
 from ..settings import Settings
 from .environment import EnvironmentLight
 from .stopwatch import Stopwatch
@@ -37,6 +38,7 @@ class Prepared:
         self._use_cache = use_cache
         self.surfaces = Surfaces(context, programs)
         self.environment: EnvironmentLight | None = None
+        self._from_volumes: tuple[object, tuple[Light, ...]] = (None, ())
         self.generation = 0
         """How often programs, or a scene of another layout, have made useless what was drawn with those before."""
         self._programs_generation = programs.generation
@@ -61,8 +63,9 @@ class Prepared:
         background = settings.background if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
         shape = scene if settings.indirect == "baked" else None  # which is left out of what is convex
-        key = (scene.layout, scene.lights, scene.environment, shape, shading, target.samples, target.half, orthographic,
-               deferred)
+        volumes = scene.volumes if sends_light(scene, settings) else None
+        key = (scene.layout, scene.lights, scene.environment, volumes, shape, shading, target.samples, target.half,
+               orthographic, deferred)
         return next((plan for k, plan in self._plans if k == key), None) or self._make_plan(scene, key)
 
     def _prepare_environment(self, scene: Scene, settings: Settings) -> None:
@@ -110,7 +113,10 @@ class Prepared:
 
     def _lights(self, scene: Scene, settings: Settings) -> list[Light]:
         from_environment = self.environment.lights(settings) if self.environment is not None else []
-        return [*scene.lights, *from_environment]
+        key = (scene.volumes, volume_medium(settings), sends_light(scene, settings))
+        if self._from_volumes[0] != key:
+            self._from_volumes = key, lights_of_volumes(scene, settings)
+        return [*scene.lights, *from_environment, *self._from_volumes[1]]
 
     def release(self) -> None:
         free(self._gl, self.surfaces, self.environment)

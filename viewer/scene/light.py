@@ -29,6 +29,8 @@ class Light:
     `range` None means unlimited. Cone angles are measured from the axis, in radians. `angular_radius` is for a
     directional light that represents a sun: the sun's angular radius in radians, which limits the brightness of
     highlights to that of the sun; 0 means no limit. `casts_shadow` is False for a light that represents a wide source.
+    `radius` is for a point light that stands for what volumes emit within this distance of it, where the rasterizer
+    takes it to be no brighter than at that distance; it lights no volumes.
     """
 
     kind: Kind
@@ -42,13 +44,14 @@ class Light:
     angular_radius: float = 0.0
     casts_shadow: bool = True
     name: str = ""
+    radius: float = 0.0
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind):
             raise UsageError(f"Light.kind is {self.kind!r}, not one of {', '.join(get_args(Kind))}")
         for name in ("color", "position", "direction"):
             object.__setattr__(self, name, scene_numbers(getattr(self, name), f"Light.{name}", 3))
-        for name in ("intensity", "inner_cone", "outer_cone", "angular_radius"):
+        for name in ("intensity", "inner_cone", "outer_cone", "angular_radius", "radius"):
             if not math.isfinite(getattr(self, name)):
                 raise UsageError(f"Light.{name} is {getattr(self, name)}, not a finite number")
         largest = max(map(abs, self.direction))
