@@ -60,3 +60,12 @@ def test_what_takes_too_long_is_told(monkeypatch):
     assert uncut == 3 and np.bincount(polygon).tolist() == (sizes - 2).tolist()
     monkeypatch.setattr(polygons, "MAX_WORK", 1 << 25)
     assert triangulate(points, np.arange(len(flat)), sizes)[2] == 0
+
+
+def test_ears_that_would_take_too_long_are_not_begun(monkeypatch):
+    """A large polygon that cuts itself, so that it cannot be swept, becomes a fan at once, and is told of."""
+    points = np.random.default_rng(1).random((300, 3))
+    monkeypatch.setattr(polygons, "MAX_WORK", 128 * 300 + 300 * 100)
+    monkeypatch.setattr(polygons, "_clip_ears", None)
+    triangles, _, uncut = triangulate(points, np.arange(300), np.array([300]))
+    assert uncut == 1 and np.array_equal(triangles[:, 1:], np.arange(298)[:, None] + [1, 2])

@@ -50,6 +50,9 @@ def triangulate(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray) -
                     if swept is not None:
                         triangles[at[some[k]] + np.arange(size - 2)] = first[some[k]] + swept
                         kept[k] = False
+                    elif int(size) * int(_turns_right(outline).sum()) > MAX_WORK - work:  # as many looks as ears take
+                        uncut += 1
+                        kept[k] = False
                 some, points = some[kept], points[kept]
             if len(some) == 0:
                 continue
@@ -105,7 +108,7 @@ def _clip_ears(points: np.ndarray, budget: int) -> tuple[np.ndarray, int, int]:
     before = np.tile(np.roll(np.arange(size), 1), (count, 1))
     after = np.tile(np.roll(np.arange(size), -1), (count, 1))
     # Only corners that turn right at first can ever lie in an ear. Each polygon's come first in its row of `right`.
-    turns_right = _area(np.roll(points, 1, axis=1), points, np.roll(points, -1, axis=1)) <= 0
+    turns_right = _turns_right(points)
     right = np.argsort(~turns_right, axis=1, kind="stable")[:, :max(1, int(turns_right.sum(axis=1).max()))]
     alive = turns_right.copy()
     out = np.empty((count, size - 2, 3), np.int64)
@@ -143,6 +146,11 @@ def _clip_ears(points: np.ndarray, budget: int) -> tuple[np.ndarray, int, int]:
         current[done], current[kept] = c[cut], c[~cut]
         here = here[left[here] > 2]
     return out, work, unfinished
+
+
+def _turns_right(points: np.ndarray) -> np.ndarray:
+    """At which corners of (..., n, 2) polygons, or does not turn."""
+    return _area(np.roll(points, 1, axis=-2), points, np.roll(points, -1, axis=-2)) <= 0
 
 
 def _is_inside(points: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
