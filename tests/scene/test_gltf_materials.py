@@ -356,7 +356,7 @@ def test_required_extension_is_named():
 
 
 def test_used_extensions_are_one_warning_each():
-    names = ["ACME_layers", "ACME_layers", "KHR_xmp", "MSFT_lod", "KHR_materials_ior", "ACME_x"]
+    names = ["ACME_layers", "ACME_layers", "KHR_xmp", "MSFT_lod", "KHR_materials_ior", "ACME_x", "pbrMetallicRoughness"]
     warnings = read({}, extensionsUsed=names)[1]
     assert len(warnings) == 2 and "ACME_layers" in warnings[0] and "ACME_x" in warnings[1]
 

@@ -25,8 +25,9 @@ SUPPORTED = frozenset({
     *(feature.extension for feature in FEATURES if feature.extension),
 })
 _WITHOUT_EFFECT = ("FB_ngon_encoding", "KHR_interactivity", "KHR_xmp", "KHR_xmp_json_ld", "MSFT_lod",
-                   "EXT_mesh_manifold", "KHR_node_hoverability", "KHR_node_selectability")
-"""These never change how a still picture of the model at full detail looks."""
+                   "EXT_mesh_manifold", "KHR_node_hoverability", "KHR_node_selectability", "pbrMetallicRoughness")
+"""These never change how a still picture of the model at full detail looks. The last is no extension but a part of
+glTF, which is read; UnityGLTF lists it."""
 
 
 def check_asset(root: Element) -> None:
