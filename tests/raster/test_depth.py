@@ -89,6 +89,13 @@ def test_what_is_close_is_seen_in_the_widest_range(renderer, fallback, far):
         assert picture[48, 4, 0] == 1
 
 
+@pytest.mark.parametrize("far", [1e9, 1e11])
+def test_reversed_depth_sees_what_is_close_however_far_other_things_are(renderer, far):
+    model = room(far, 2.0, 2e-5)
+    picture = renderer.render(model, CAMERA, Settings.of(background="none"), (96, 96)).linear
+    assert picture[48, 4, 0] == 1 and (poster(renderer, model) == 1).all()
+
+
 def test_an_orthographic_camera_tells_apart_a_millionth_of_its_range(renderer, fallback):
     camera = Camera(np.eye(4), height=4.0)
     for drawn in (renderer, fallback):

@@ -102,8 +102,8 @@ class Frame:
         if self.camera.height is not None:
             return low, high
         high = max(high, 1e-3)
-        if self.is_depth_reversed:  # a small near costs no precision, and closer to the eye float32 positions have none
-            return max(low, high * 1e-8), high
+        if self.is_depth_reversed:  # a small near costs no precision: metres are seen beside what is 1e11 m away
+            return max(low, high * 1e-12), high
         # 24 bits of depth distinguish surfaces z^2 / (near 2^24) apart. At a ratio of 1e5 that is 0.6 % of the distance
         # at the far plane.
         near = self.camera.near
