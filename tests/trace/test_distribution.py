@@ -87,6 +87,24 @@ def test_a_pixel_does_not_decide_by_its_own_samples():
     assert (change[1:8, 2:9] > 1.01 * change[0, 0]).sum() == 48
 
 
+def test_a_sun_does_not_hide_what_is_around_it():
+    values = np.full((9, 12), 1e-3, np.float32)
+    values[4, 5] = 1e15
+    assert around(values, 3)[4, 5] == pytest.approx(48e-3, rel=1e-5) and around(values, 3)[3, 3] > 1e14
+
+
+def test_a_total_is_met_whatever_the_bounds():
+    rng = np.random.default_rng(4)
+    deviation, given = 10 ** rng.uniform(-4, 3, (40, 50)), rng.integers(1, 60, (40, 50))
+    most = given * rng.uniform(1, 30, (40, 50))
+    for total in np.linspace(given.sum(), most.sum(), 7):
+        samples = given + allocate(deviation, given, most, total, 1)
+        assert samples.sum() == pytest.approx(total, abs=1.001) and (samples < most + 1).all()
+        between = (samples > given + 1) & (samples < most - 1)  # by less than a sample to either side in proportion
+        low, high = ((samples + side)[between] / deviation[between] for side in (-1, 1))
+        assert low.max(initial=0) <= high.min(initial=np.inf)
+
+
 def test_pixels_without_two_samples_tell_nothing():
     total, squares = np.ones((20, 20, 4)) * 16, np.ones((20, 20, 4)) * 48
     total[:10], squares[:10] = [[[5, 5, 5, 1.0]]], 25.0

@@ -10,10 +10,10 @@ variance is pooled over the 256 pixels of a tile, and the noise of neighbouring 
 from __future__ import annotations
 
 from collections import deque
-from itertools import pairwise
-from operator import itemgetter
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...settings import Settings
 from ..layout import TILE
@@ -33,6 +33,25 @@ pictures of a given number of samples whose tiles a wavefront holds all at once,
 MIN_COLLECTED = 0.9
 """Part of the samples handed out that has to be in the film before the next adaptive round."""
 _LARGEST = 1e30
+
+
+@dataclass
+class _Round:
+    """Work `items`, (items, 4), that were planned at once and not handed out. `ends`, (rows, columns, TILE, TILE), has
+    the number of the sample before which each pixel ends, if not all of a tile have as many."""
+
+    items: NDArray[np.int64]
+    ends: NDArray[np.int64] | None = None
+
+    def take(self, count: int) -> list[Work]:
+        """The next items, at most so many."""
+        taken, self.items = self.items[:count], self.items[count:]
+        if self.ends is None:
+            return [Work(*item) for item in taken.tolist()]
+        ends = self.ends[taken[:, 1], taken[:, 0]]
+        is_whole = ends.min(axis=(1, 2)) > taken[:, 2]
+        pixels = [None if whole else own for whole, own in zip(is_whole, ends > taken[:, 2, None, None], strict=True)]
+        return [Work._make((*item, own)) for item, own in zip(taken.tolist(), pixels, strict=True)]
 
 
 class Schedule:
@@ -57,7 +76,7 @@ class Schedule:
         self._chunk: int | None = None
         self._parts = np.zeros((2, rows, columns), np.int64)
         """Samples of each tile that were handed out for each part of the film, if it has parts."""
-        self._queue: deque[Work] = deque()
+        self._queue: deque[_Round] = deque()
         self.collected = 0
         """How many samples of all pixels together are in the film, or were left out of it."""
         self.done = False
@@ -68,15 +87,24 @@ class Schedule:
         `is_last` says that all work handed out before is in the film. If there is no work then, there will be none
         later.
         """
-        while len(self._queue) < count and self._plan_round(count, is_last and not self._queue):
+        while self._queued < count and self._plan_round(count, is_last and not self._queued):
             pass
-        work = [_for_pixels(self._queue.popleft()) for _ in range(min(count, len(self._queue)))]
+        work: list[Work] = []
+        while self._queue and len(work) < count:
+            work += self._queue[0].take(count - len(work))
+            if not len(self._queue[0].items):
+                self._queue.popleft()
         if self._film.parts:
             work = [self._of_part(item) for item in work]
         has_all = bool((self._issued >= self._most).all()) if not self._is_adaptive else (
             int(self._given.sum()) >= self._most * self._given.size)
         self.done = not self._queue and (has_all or (is_last and not work))
         return work
+
+    @property
+    def _queued(self) -> int:
+        """How many work items are planned, but not handed out."""
+        return sum(len(planned.items) for planned in self._queue)
 
     def _of_part(self, item: Work) -> Work:
         """The item for the part of the film that has fewer samples of its tile."""
@@ -98,15 +126,15 @@ class Schedule:
             chunk = self._first_chunk(count)
             each = chunk * (1 if self._is_timed and not self._rounds else max(count // self._issued.size, 1))
             wanted = np.minimum(self._issued + each, self._pilot)
-            items = _for_all(self._issued, wanted, chunk)
+            planned = _Round(_in_turn(self._issued, wanted, chunk))
             self._issued = wanted
             self._given[:] = wanted.max()  # tiles have equal numbers so far
         else:
-            items = self._distributed(is_last)
-        # Tiles progress evenly: whenever the render is stopped, all have had about the same part of their samples.
-        self._queue.extend(work for _, work in sorted(items, key=itemgetter(0)))
+            planned = self._distributed(is_last)
+        if len(planned.items):
+            self._queue.append(planned)
         self._rounds += 1
-        return bool(items)
+        return bool(len(planned.items))
 
     def _first_chunk(self, count: int) -> int:
         """Samples of a work item, if one wavefront asks for so many items, before tiles get different numbers."""
@@ -117,14 +145,11 @@ class Schedule:
             self._chunk = min(max(-(-self._traced * left // (2 * count)), 1), LONG_CHUNK)  # fills two wavefronts
         return self._chunk or min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
 
-    def _distributed(self, is_last: bool) -> list[tuple[float, Work]]:
-        """Work for the pixels around which there is most noise, so as to lower the mean relative variance most. In the
-        place of its pixels it has the number of the sample before which each of them ends."""
+    def _distributed(self, is_last: bool) -> _Round:
+        """Work for the pixels around which there is most noise, so as to lower the mean relative variance most."""
         total, limit = int(self._given.sum()), self._most * self._given.size
-        if not self._is_adaptive or total >= limit:
-            return []
-        if not is_last and self.collected < MIN_COLLECTED * total:
-            return []
+        if not self._is_adaptive or total >= limit or (not is_last and self.collected < MIN_COLLECTED * total):
+            return _Round(np.zeros((0, 4), np.int64))
         tiles = self._film.tile_errors().astype(np.float64)
         deviation = self._film.deviation_around()
         most = MOST_GROWTH * self._given.astype(np.float64)
@@ -134,15 +159,9 @@ class Schedule:
             most = np.minimum(most, self._needed(tiles, deviation, self._target))
         more = allocate(deviation, self._given, most, min(GROWTH * total, limit), self._step)
         self._given += more
-        by_tile, items = self._by_tile(more), []
-        for row, column in np.argwhere(by_tile.any(axis=(2, 3))).tolist():
-            own, first = by_tile[row, column], int(self._issued[row, column])
-            parts = int(own.max()) // MAX_CHUNK
-            ends = np.where(own > 0, first + own, 0)
-            items += [((k + 0.5) / parts, Work(column, row, first + k * MAX_CHUNK, MAX_CHUNK, ends))
-                      for k in range(parts)]
-            self._issued[row, column] += parts * MAX_CHUNK
-        return items
+        by_tile, first = self._by_tile(more), self._issued
+        self._issued = first + by_tile.max(axis=(2, 3)) // MAX_CHUNK * MAX_CHUNK
+        return _Round(_in_turn(first, self._issued, MAX_CHUNK), first[..., None, None] + by_tile)
 
     def _needed(self, tiles: np.ndarray, deviation: np.ndarray, target: float) -> np.ndarray:
         """How many samples of each pixel, (H, W), the target takes, if a tile's are in proportion to `deviation`.
@@ -171,25 +190,21 @@ class Schedule:
         return padded.reshape(rows, TILE, columns, TILE).swapaxes(1, 2)
 
 
-def _for_all(issued: np.ndarray, wanted: np.ndarray, chunk: int) -> list[tuple[float, Work]]:
-    """Work items of at most `chunk` samples for all pixels of the tiles, each with the part of the tile's samples that
-    is done in its middle."""
-    items = []
-    for row, column in np.argwhere(wanted > issued).tolist():
-        first, last = int(issued[row, column]), int(wanted[row, column])
-        parts = -(-(last - first) // chunk)
-        bounds = [first + (last - first) * k // parts for k in range(parts + 1)]
-        items += [((k + 0.5) / parts, Work(column, row, low, high - low)) for k, (low, high) in
-                  enumerate(pairwise(bounds))]
-    return items
+def _in_turn(first: NDArray, last: NDArray, chunk: int) -> NDArray[np.int64]:
+    """Work items of at most `chunk` samples, from number `first` of each tile, (rows, columns), to before `last`, in
+    the order in which they are handed out: (items, 4), as `Work` has them.
 
-
-def _for_pixels(item: Work) -> Work:
-    """With the pixels that do not end before it, as `Schedule._distributed` has them."""
-    if item.pixels is None:
-        return item
-    pixels = item.pixels > item.first
-    return item._replace(pixels=None if pixels.all() else pixels)
+    Tiles progress evenly: whenever the render is stopped, all have had about the same part of their samples.
+    """
+    rows, columns = np.nonzero(last > first)
+    first, samples = first[rows, columns], (last - first)[rows, columns]
+    parts = -(-samples // chunk)
+    tile = np.repeat(np.arange(len(parts)), parts)
+    part = np.arange(len(tile)) - (np.cumsum(parts) - parts)[tile]
+    order = np.argsort((part + 0.5) / parts[tile], kind="stable")
+    tile, part = tile[order], part[order]
+    low, high = (first[tile] + samples[tile] * k // parts[tile] for k in (part, part + 1))
+    return np.stack([columns[tile], rows[tile], low, high - low], axis=1)
 
 
 def dilated(variance: np.ndarray) -> np.ndarray:
