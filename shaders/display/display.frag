@@ -4,7 +4,9 @@
 
 uniform sampler2D u_radiance; // associated alpha
 uniform float u_exposure;     // factor, 2^EV
-uniform vec4 u_backdrop;      // background colour in linear display light, with alpha 1; alpha 0: none
+#if BACKDROP
+uniform vec3 u_backdrop;      // background colour in linear display light
+#endif
 
 out vec4 o_color;
 
@@ -19,20 +21,20 @@ float dither(vec2 pixel) {
 void main() {
     vec4 c = texelFetch(u_radiance, ivec2(gl_FragCoord.xy), 0);
     float alpha = clamp(c.a, 0.0, 1.0);
-    vec3 straight = alpha > 0.0 ? c.rgb / alpha : vec3(0.0);
-    vec3 light = clamp(tonemap(straight * u_exposure), 0.0, 1.0);
-    if (u_backdrop.a > 0.0) { // alpha is coverage, so it mixes linear light, not encoded values
-        light = mix(u_backdrop.rgb, light, alpha);
-        alpha = 1.0;
-    }
+    vec3 straight = c.rgb * (alpha > 1e-30 ? u_exposure / alpha : 0.0);
+    vec3 light = clamp(tonemap(straight), 0.0, 1.0);
+#if BACKDROP
+    light = mix(u_backdrop, light, alpha); // alpha is coverage, so it mixes linear light, not encoded values
+    alpha = 1.0;
+#endif
     vec3 shown = srgb_from_linear(light);
     // Round up with a probability equal to the fraction. Exact code values are not dithered.
     vec3 code = shown * 255.0;
 #if DITHER
     bvec3 exact = lessThan(abs(code - round(code)), vec3(1e-3));
-    shown = floor(code + mix(vec3(dither(gl_FragCoord.xy)), vec3(0.5), exact)) / 255.0;
+    code = floor(code + mix(vec3(dither(gl_FragCoord.xy)), vec3(0.5), exact));
 #else
-    shown = round(code) / 255.0;
+    code = round(code);
 #endif
-    o_color = vec4(shown, alpha);
+    o_color = vec4(code * (1.0 / 255.0), alpha);
 }

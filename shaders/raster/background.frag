@@ -9,17 +9,16 @@
 #endif
 
 uniform sampler2D u_background;
-uniform mat3 u_ray;          // (x, y, 1) in normalised device coordinates to a direction in the environment
 #if !SMOOTH
 uniform float u_lod;         // of the map that matches a pixel
 #endif
 uniform float u_environment_intensity;
 
-in vec2 v_ndc;
+noperspective in vec3 v_ray; // in the environment
 out vec4 o_color;
 
 void main() {
-    vec3 d = normalize(u_ray * vec3(v_ndc, 1.0));
+    vec3 d = normalize(v_ray);
 #if SMOOTH
     vec3 radiance = bspline(u_background, equirect_uv(d)) * u_environment_intensity;
 #else

@@ -8,17 +8,15 @@
 #include "raster/chosen.glsl"
 
 uniform usampler2DMS u_triangle_samples; // number of the triangle; 0: none
-uniform mat3 u_ray, u_ray_origin; // (x, y, 1) in normalised device coordinates to a ray's direction, and to its start
-uniform vec3 u_eye;               // from the scene's centre
-uniform vec2 u_pixel;             // size of a pixel: x + y times the distance
+uniform vec2 u_pixel; // size of a pixel: x + y times the distance
 
-in vec2 v_ndc;
+noperspective in vec3 v_ray, v_ray_origin; // 1 along the camera's axis; from the scene's centre
 layout(location = 0) out uvec2 o_chosen; // BACKGROUND: the background counts as a surface
 
-// `o`: where the ray through the pixel's middle starts; `d`: its direction, 1 along the camera's axis.
-bool are_alike(vec4 a, vec4 b, vec3 o, vec3 d) {
-    vec2 along = vec2(dot(a.xyz, d), dot(b.xyz, d));
-    vec2 t = -vec2(dot(a.xyz, o) + a.w, dot(b.xyz, o) + b.w) / along, apart = abs((t.x - t.y) * along);
+bool are_alike(vec4 a, vec4 b) {
+    vec2 along = vec2(dot(a.xyz, v_ray), dot(b.xyz, v_ray));
+    vec2 t = -vec2(dot(a.xyz, v_ray_origin) + a.w, dot(b.xyz, v_ray_origin) + b.w) / along;
+    vec2 apart = abs((t.x - t.y) * along);
     return dot(a.xyz, b.xyz) > 0.9 && max(apart.x, apart.y) < 0.25 * (u_pixel.x + u_pixel.y * t.x);
 }
 
@@ -33,7 +31,6 @@ void main() {
         same |= triangles[k] != 0u && triangles[k] == first ? 1u << k : 0u;
     }
     gl_FragDepth = covered != 0u ? object_depth(first) : FAR;
-    vec3 d = u_ray * vec3(v_ndc, 1.0), o = u_ray_origin * vec3(v_ndc, 1.0) + u_eye;
     vec4 plane = plane_of(first);
     uint others = covered & ~same;
     // Each turn is for one of the other triangles. llvmpipe takes the first turn of a loop in all pixels, and with its
@@ -42,7 +39,7 @@ void main() {
         uint other = 0u, shown = 0u;
         for (int k = SAMPLES - 1; k >= 0; --k) other = (others & 1u << k) != 0u ? triangles[k] : other;
         for (int k = 0; k < SAMPLES; ++k) shown |= triangles[k] == other ? 1u << k : 0u;
-        bool is_alike = other >> TRIANGLE_BITS == first >> TRIANGLE_BITS && are_alike(plane, plane_of(other), o, d);
+        bool is_alike = other >> TRIANGLE_BITS == first >> TRIANGLE_BITS && are_alike(plane, plane_of(other));
         same |= is_alike ? others & shown : 0u;
         second = is_alike || second != 0u ? second : other;
         others &= ~shown;

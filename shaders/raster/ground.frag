@@ -10,8 +10,6 @@
 #include "light/shadow.glsl"
 #endif
 
-uniform mat3 u_ray;          // (x, y, 1) in normalised device coordinates to a direction
-uniform mat3 u_ray_origin;   // likewise to the point where the ray begins, eye-relative
 uniform float u_height;      // of the ground, eye-relative
 uniform vec3 u_below;        // the point of the ground below the model's centre
 #if FAR_LIGHTS
@@ -26,7 +24,7 @@ layout(std140) uniform GroundLights {
 uniform sampler2DShadow u_atlas;
 #endif
 
-in vec2 v_ndc;
+noperspective in vec3 v_ray, v_ray_origin; // eye-relative
 layout(location = 0) out vec4 o_color;
 
 #if SHADOW_LAYERS > 0
@@ -41,9 +39,8 @@ float seen_by_light(int layer, bool is_point, vec3 p, vec3 light_position) {
 #endif
 
 void main() {
-    vec3 d = u_ray * vec3(v_ndc, 1.0), o = u_ray_origin * vec3(v_ndc, 1.0);
-    float way = (u_height - o.y) / d.y;
-    vec3 p = o + way * d;
+    float way = (u_height - v_ray_origin.y) / v_ray.y;
+    vec3 p = v_ray_origin + way * v_ray;
     float all = 0.0, arrives = 0.0;
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) {

@@ -5,14 +5,12 @@
 #include "media/one_minus_exp.glsl"
 #include "raster/in_scattered.glsl"
 
-uniform mat3 u_ray;    // (x, y, 1) in normalised device coordinates to a direction, eye-relative
-uniform mat3 u_origin; // and to the point that the ray starts from
 uniform float u_ends[SLICES + 1]; // the distance at which these slices start, and those at which they end
 uniform int u_steps; // of each slice
 uniform sampler2D u_carried;
 uniform bool u_is_first; // nothing is carried
 
-in vec2 v_ndc;
+noperspective in vec3 v_ray, v_ray_origin; // eye-relative
 layout(location = 0) out vec4 o_slices[SLICES + 1];
 
 // Where the mean collision of a step of optical depth x happens, in steps from its start:
@@ -120,7 +118,7 @@ void march_volumes(inout Path path, Ray ray, float from, float to, Scattering me
 #endif
 
 void main() {
-    Ray ray = ray_through(u_origin * vec3(v_ndc, 1.0), normalize(u_ray * vec3(v_ndc, 1.0)));
+    Ray ray = ray_through(v_ray_origin, normalize(v_ray));
 #if FOG
     Scattering fog = fog_scattering(ray.direction);
 #endif

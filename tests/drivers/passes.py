@@ -16,7 +16,7 @@ from viewer.trace.rays.intersect import SHADOW_REACH
 
 _FULLSCREEN = "display/fullscreen.vert"
 _OVER_PICTURES: dict[str, dict[str, tuple[float, ...]]] = {
-    "display/display.frag": {"TONEMAP": (0, 1, 2, 3), "DITHER": (0, 1)},
+    "display/display.frag": {"TONEMAP": (0, 1, 2, 3), "DITHER": (0, 1), "BACKDROP": (0, 1)},
     "display/enlarge.frag": {},
     "raster/resolve.frag": {"SAMPLES": (1, 4, 8), "SUPERSAMPLING": (1, 2)},
     "raster/triangles.frag": {},

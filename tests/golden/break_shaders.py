@@ -213,7 +213,7 @@ MUTATIONS = [
     Mutation("warp and weft exchanged", "bsdf/weave/weave.glsl", "& 1) == 1) == is_front;", "& 1) == 1) != is_front;"),
     Mutation("woven fibres let no light through to others", "bsdf/weave/woven_view.glsl",
              "is_through ? abs(lambda_o - lambda_i) : max(lambda_o, lambda_i)", "abs(lambda_o - lambda_i)"),
-    Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
+    Mutation("exposure ignored", "display/display.frag", "? u_exposure / alpha", "? 1.0 / alpha"),
 ]
 
 

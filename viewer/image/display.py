@@ -24,16 +24,17 @@ class DisplayPass:
         """
         of_values = settings.shows_values
         tonemap, exposure = ("none", 0.0) if of_values else (settings.tonemap, settings.exposure)
+        is_color = isinstance(settings.background, tuple)
         program = self._programs.get(
             "display/fullscreen.vert", "display/display.frag",
-            {"TONEMAP": _TONEMAPS.index(tonemap), "DITHER": int(not of_values)})
+            {"TONEMAP": _TONEMAPS.index(tonemap), "DITHER": int(not of_values), "BACKDROP": int(is_color)})
         target.use()
         self._gl.enable_only(moderngl.NOTHING)
         radiance.use(unit)
         set_uniform(program, "u_radiance", unit)
         set_uniform(program, "u_exposure", 2.0**exposure)
-        is_color = isinstance(settings.background, tuple)
-        set_uniform(program, "u_backdrop", (*settings.background, 1.0) if is_color else (0.0, 0.0, 0.0, 0.0))
+        if is_color:
+            set_uniform(program, "u_backdrop", settings.background)
         fullscreen(self._gl, program).render(vertices=3)
 
     def target(self, size: tuple[int, int]) -> moderngl.Framebuffer:

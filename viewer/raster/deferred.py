@@ -83,9 +83,11 @@ class DeferredSurfaces:
     def _choose(self, frame: Frame, layers: Layers, triangles: NumberedTriangles) -> None:
         gl, camera = self._context.gl, frame.camera
         across = 0.0 if camera.height is None else camera.height / frame.unit / frame.size[1]
+        origin = frame.ray_origin.copy()
+        origin[:, 2] -= frame.position(frame.scene.center)  # planes are about the centre
         values = {"u_triangle_samples": UNIT_RADIANCE, "u_chosen": UNIT_CHOSEN,
-                  "u_ray": matrix_uniform(frame.ray), "u_ray_origin": matrix_uniform(frame.ray_origin),
-                  "u_eye": tuple(-frame.position(frame.scene.center)), "u_pixel": (across, frame.pixel_angle)}
+                  "u_ray": matrix_uniform(frame.ray), "u_ray_origin": matrix_uniform(origin),
+                  "u_pixel": (across, frame.pixel_angle)}
         layers.numbers.color_attachments[0].use(UNIT_RADIANCE)
         gl.enable_only(moderngl.DEPTH_TEST)
         switches = {"TRIANGLE_BITS": TRIANGLE_BITS, "OBJECTS": float(_OBJECTS), "FAR": self._depth.far,

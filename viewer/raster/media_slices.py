@@ -37,7 +37,7 @@ class MediaSlices:
               uniforms: dict[str, object]) -> None:
         """Fill all slices. `ends` is where each starts, and where the last one ends, in eye-relative units."""
         program = programs.get("display/fullscreen.vert", planned.fragment, dict(planned.switches))
-        uniforms = uniforms | {"u_ray": matrix_uniform(frame.ray), "u_origin": matrix_uniform(frame.ray_origin),
+        uniforms = uniforms | {"u_ray": matrix_uniform(frame.ray), "u_ray_origin": matrix_uniform(frame.ray_origin),
                                "u_carried": UNIT_RADIANCE}
         for name, value in uniforms.items():
             set_uniform(program, name, value)
