@@ -28,8 +28,13 @@ void main() {
         triangles[k] = texelFetch(u_triangle_samples, ivec2(gl_FragCoord.xy), k).r;
         first = first == 0u ? triangles[k] : first;
         covered |= triangles[k] != 0u ? 1u << k : 0u;
-        same |= triangles[k] != 0u && triangles[k] == first ? 1u << k : 0u;
     }
+    // One that two samples show comes first. Where sample 0 has it, or none of them, that is sample 0's; the last of four
+    // samples lies beside the two others.
+    uint last = triangles[SAMPLES - 1];
+    for (int k = 1; k < SAMPLES - 1; ++k) first = last != 0u && triangles[k] == last ? last : first;
+    for (int k = 0; k < SAMPLES; ++k) same |= triangles[k] == first ? 1u << k : 0u;
+    same &= covered;
     gl_FragDepth = covered != 0u ? object_depth(first) : FAR;
     vec4 plane = plane_of(first);
     uint others = covered & ~same;

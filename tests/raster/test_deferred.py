@@ -107,28 +107,42 @@ def test_a_crease_is_two_surfaces_and_a_bend_is_one(renderer, monkeypatch, bits)
     The numbers of their triangles, 1 and 2, 5 and 6, fill 3 bits, and differ in the first alone."""
     for module in ("deferred", "numbered_triangles"):
         monkeypatch.setattr(f"viewer.raster.{module}.TRIANGLE_BITS", bits)
-    white = Material(metallic=0.0, perceptual_roughness=1.0, specular=0.0, double_sided=True)
     camera = orthographic(0.0, 0.0, 2.0)
     edge = 1 / SIZE[1] + 1e-4  # near a pixel's middle, where the planes of both halves meet
-
-    def roof(slope: float):
-        positions = np.float32([[-1, -1, -slope], [edge, -1, 0], [edge, 1, 0], [-1, 1, -slope],
-                                [1, -1, -slope], [1, 1, -slope]])
-        sides = [np.float32(positions[k]) for k in ([0, 1, 2, 3], [1, 4, 5, 2])]
-        normals = [np.cross(side[1] - side[0], side[2] - side[0]) for side in sides]
-        mesh = Mesh("roof", np.concatenate(sides), 0, indices=np.uint32([0, 1, 2, 0, 2, 3, *[0] * 6, 4, 5, 6, 4, 6, 7]),
-                    normals=np.float32([n / np.linalg.norm(n) for n in normals for _ in range(4)]))
-        light = Light("directional", intensity=1.0, direction=(1, 0, -0.2))
-        return scene(mesh, materials=(white,), lights=(light,))
-
     for slope, middle in ((2.0, 0.5), (0.05, None)):
-        line = drawn(renderer, roof(slope), camera, "deferred-4", background="none", shadows="off")[SIZE[1] // 2, :, 0]
-        msaa = drawn(renderer, roof(slope), camera, "msaa-4", background="none", shadows="off")[SIZE[1] // 2, :, 0]
+        model = roof(slope, edge)
+        line = drawn(renderer, model, camera, "deferred-4", background="none", shadows="off")[SIZE[1] // 2, :, 0]
+        msaa = drawn(renderer, model, camera, "msaa-4", background="none", shadows="off")[SIZE[1] // 2, :, 0]
         assert np.abs(line - msaa).max() < (1e-4 if middle else 0.6 * np.ptp(msaa))
         at = SIZE[0] // 2
         mixed = (line[at - 2:at + 2] - line[at + 4]) / (line[at - 4] - line[at + 4])
         between = (mixed > 0.1) & (mixed < 0.9)
         assert between.any() == (middle is not None)
+
+
+@pytest.mark.parametrize("part", [0.25, 0.75])
+def test_the_side_of_a_bend_that_most_samples_show_stands_for_both(renderer, part):
+    """The lower half of a roof covers `part` of a row of pixels: one sample of four (the first, the last) or three."""
+    model = roof(0.05, 2 / SIZE[1] * part, across=False)
+    picture = drawn(renderer, model, orthographic(0.0, 0.0, 2.0), "deferred-4", background="none", shadows="off")
+    line, at = picture[:, SIZE[0] // 2, 0], SIZE[1] // 2 - 1
+    above, row, below = line[at - 1:at + 2]
+    assert abs(above - below) > 0.01
+    assert abs(row - (below if part > 0.5 else above)) < 0.1 * abs(above - below)
+
+
+def roof(slope: float, edge: float, across: bool = True):
+    """Two halves that meet at x = `edge`, or y without `across`, lit from the side."""
+    positions = np.float32([[-1, -1, -slope], [edge, -1, 0], [edge, 1, 0], [-1, 1, -slope],
+                            [1, -1, -slope], [1, 1, -slope]])
+    positions = positions if across else positions[:, [1, 0, 2]] * np.float32([-1, 1, 1])
+    sides = [positions[k] for k in ([0, 1, 2, 3], [1, 4, 5, 2])]
+    normals = [np.cross(side[1] - side[0], side[2] - side[0]) for side in sides]
+    mesh = Mesh("roof", np.concatenate(sides), 0, indices=np.uint32([0, 1, 2, 0, 2, 3, *[0] * 6, 4, 5, 6, 4, 6, 7]),
+                normals=np.float32([n / np.linalg.norm(n) for n in normals for _ in range(4)]))
+    light = Light("directional", intensity=1.0, direction=(1, 0, -0.2) if across else (0, 1, -0.2))
+    return scene(mesh, materials=(replace(ROUGH, perceptual_roughness=1.0, specular=0.0, base_color=(1, 1, 1, 1)),),
+                 lights=(light,))
 
 
 def test_parts_and_poses(renderer):
