@@ -84,11 +84,13 @@ const float ENDURES = 0.5; // throughput from which on paths do not end; benchma
 // only possible direction. `most` is the greatest probability to survive. Returns false if the path ends by Russian
 // roulette (Arvo & Kirk 1990): if u is below the probability `survival`, the path survives and its throughput is
 // divided by that probability.
-// Paths end where they carry less than ENDURES: to end more of them saves less time than their light is missed.
+// Paths end where they carry less than ENDURES: to end more of them saves less time than their light is missed. `worth`
+// is what a path may bring for what it carries, of others: more than 1 if a guide sent it where much light comes from.
 // Radiance inside glass is scaled by eta^2 until it leaves the glass; p.eta2 takes that factor out of the probability.
-bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pdf, float u, float most) {
+bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pdf, float u, float most,
+             float worth) {
     p.throughput *= weight;
-    float survival = max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2;
+    float survival = max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2 * worth;
     if (!(survival > 0.0)) return false;
     if (p.depth >= (PHOTONS == 1 ? 3 : 2)) { // of photons, mirrors show what comes later
         survival = min(survival / ENDURES, most);

@@ -41,7 +41,7 @@ void main() {
     vec3 weight = fibre_sample(i.fibre, h, wo, u_bsdf, wi, pdf);
     wi = normalize(i.frame * wi);
     // No weight is above 1, so that all light which white hair scatters hundreds of times may stay on one path.
-    bool continues = pdf > 0.0 && scatter(p, i.position, i.n, wi, weight, pdf, u_light.w, 1.0);
+    bool continues = pdf > 0.0 && scatter(p, i.position, i.n, wi, weight, pdf, u_light.w, 1.0, 1.0);
     p.origin = leave_fibre(i, wi);
     write_path(p, continues ? IN_FLIGHT : ENDED);
 #endif

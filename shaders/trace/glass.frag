@@ -10,6 +10,7 @@
 
 #define TRANSMITS 1
 #define REFRACTS 1
+#define GUIDED 0
 
 struct Bsdf {
     Glass glass;
@@ -140,6 +141,11 @@ BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
 #else
     return sample_glass(b, wo, u);
 #endif
+}
+
+// Paths do not end in glass by what they carry where a guide may have sent them there.
+float worth_of(Bsdf b, BsdfSample s) {
+    return HAS_CAUSTIC_GUIDE == 1 ? 1e3 : 1.0;
 }
 
 #include "trace/shade.glsl"

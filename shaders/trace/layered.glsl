@@ -2,9 +2,18 @@
 #include "bsdf/surface_of.glsl"
 #include "trace/emission.glsl"
 
+// Whether the caustic guide takes a share of the samples
+#define GUIDED (HAS_CAUSTIC_GUIDE && !TRANSMITS && !PHOTONS)
+#if GUIDED
+#include "trace/caustic_guide.glsl"
+#endif
+
 struct Bsdf {
     Surface surface;
     SurfaceView view;
+#if GUIDED
+    Guide guide; // of the samples of bsdf_sample
+#endif
 };
 
 Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat) {
@@ -15,9 +24,51 @@ Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat) {
         s.sheen_color = vec3(0.0);
     }
 #endif
+#if GUIDED
+    return Bsdf(s, surface_view(s, wo, n_coat, u_dfg), NO_GUIDE);
+#else
     return Bsdf(s, surface_view(s, wo, n_coat, u_dfg));
+#endif
 }
 
+#if GUIDED
+// The share of samples that go to all sides, which may be guided
+float roughly_reflected(Bsdf b) {
+    return 1.0 - facet_probability(b.surface, b.view);
+}
+
+vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
+    vec4 f = surface_eval_pdf(b.surface, b.view, wo, wi, u_dfg);
+    f.w = mix(f.w, guide_pdf(b.guide, wi), b.guide.share);
+    return f;
+}
+
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
+    float share = b.guide.share;
+    bool is_guided = u.z < share;
+    u.z = min(is_guided ? u.z / share : (u.z - share) / (1.0 - share), 1.0 - 1.0 / 16777216.0);
+    BsdfSample s;
+    if (is_guided) s = BsdfSample(guide_direction(b.guide, u), vec3(0.0), 0.0, REFLECTION, 1.0);
+    else s = surface_sample(b.surface, b.view, wo, u, u_dfg);
+    if (share == 0.0 || s.flags == 0u) return s;
+    if ((s.flags & DELTA) != 0u) {
+        s.weight /= 1.0 - share;
+        s.pdf *= 1.0 - share;
+        return s;
+    }
+    vec4 f = bsdf_eval_pdf(b, wo, s.wi);
+    s.weight = f.rgb / max(f.w, 1e-30);
+    s.pdf = f.w;
+    return s;
+}
+
+// A guided sample carries little, but so much more often meets a lamp; and what smooth bodies reflect may come from it.
+float worth_of(Bsdf b, BsdfSample s) {
+    if (roughly_reflected(b) < 0.5) return ALWAYS_WORTH;
+    float share = b.guide.share;
+    return s.pdf * (1.0 - share) / max(s.pdf - share * guide_pdf(b.guide, s.wi), 1e-30);
+}
+#else
 vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
     return surface_eval_pdf(b.surface, b.view, wo, wi, u_dfg);
 }
@@ -25,5 +76,10 @@ vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
 BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
     return surface_sample(b.surface, b.view, wo, u, u_dfg);
 }
+
+float worth_of(Bsdf b, BsdfSample s) {
+    return 1.0;
+}
+#endif
 
 #include "trace/shade.glsl"

@@ -122,6 +122,7 @@ void main() {
 #else
     else if (last > 0.0) last = FROM_DELTA;
 #endif
-    continues = continues && scatter(p, i.position, side * i.n_geometric, next, weight, last, u_bsdf.w, 0.95);
+    continues = continues && scatter(p, i.position, side * i.n_geometric, next, weight, last, u_bsdf.w, 0.95,
+                                       1.0);
     write_path(p, continues ? IN_FLIGHT : ENDED);
 }

@@ -6,6 +6,7 @@
 //   Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat)
 //   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     rgb: f |cos|, w: the pdf of bsdf_sample; 0 for delta lobes
 //   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u)
+//   float worth_of(Bsdf b, BsdfSample s)        see scatter of trace/bounce.glsl
 // with wo, wi and the normal n_coat of the clear coat in the frame of the shading normal (bsdf/bsdf.glsl).
 // PHOTONS: paths come from lights, and trace/photon_surface.glsl shades them.
 #include "trace/bounce.glsl"
@@ -160,7 +161,8 @@ void main() {
     float pdf = (b.flags & DELTA) != 0u ? 0.0 : b.pdf;
     // The throughput of long paths must not grow: those in media and between faces of white glass are long.
     float most = HAS_SCATTERING == 1 || HAS_NESTED == 1 ? 1.0 : 0.95;
-    continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w, most);
+    continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w, most,
+                                       worth_of(bsdf, b));
 #if HAS_SCATTERING
     if (is_within && p.depth > 2) { // what a scattering medium keeps in is no reflection that `bounces` counts
         --p.depth;

@@ -36,7 +36,11 @@ Bsdf bsdf_towards(Interaction i, SurfaceMaterial m, vec3 wo, out mat3 frame, out
 #else
     const vec3 n_coat = vec3(0.0, 0.0, 1.0);
 #endif
-    return bsdf_at(i, m, local_wo, n_coat);
+    Bsdf b = bsdf_at(i, m, local_wo, n_coat);
+#if GUIDED
+    b.guide = guide_at(i.position, frame, roughly_reflected(b));
+#endif
+    return b;
 }
 
 // The number of the medium, or the nesting of media, on a side of the surface, as side_of gives it

@@ -1,6 +1,7 @@
 // Woven cloth: the yarns of bsdf/weave. Light goes straight on between them.
 #define TRANSMITS 1
 #define REFRACTS 0
+#define GUIDED 0
 #define WEAVE_HAS_GAPS 1
 #include "bsdf/weave/weave.glsl"
 #if ANISOTROPIC
@@ -48,6 +49,10 @@ vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
 
 BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
     return woven_sample(b.woven, b.view, wo, u, u_weave_table);
+}
+
+float worth_of(Bsdf b, BsdfSample s) {
+    return 1.0;
 }
 
 #include "trace/shade.glsl"

@@ -92,7 +92,7 @@ def test_threads_find_the_same_triangles(context: Context, monkeypatch: pytest.M
     """As for rays that a shader judges afterwards, here with a reach of their own."""
     from viewer.trace.rays import embree_triangles as module
 
-    triangles = make_intersector(context, Geometry([sphere(8, 12)]), kind="embree")._triangles
+    triangles = make_intersector(context, Geometry([sphere(8, 12)]), kind="embree").triangles
     rng = np.random.default_rng(8)
     origin, direction = rng.normal(size=(2, 100, 3)).astype(np.float32)
     reach = rng.uniform(0, 2, 100).astype(np.float32)

@@ -57,7 +57,7 @@ class EmbreeIntersector:
 
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
-        self._triangles = EmbreeTriangles(geometry)
+        self.triangles = EmbreeTriangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
         self._hand, self._open_back = _backs(geometry)
         self._is_pane = _panes(geometry)
@@ -109,8 +109,8 @@ class EmbreeIntersector:
         status = rays.origin[:, 3]
         in_flight = np.flatnonzero((status >= IN_FLIGHT) & (status < IN_FLIGHT + 1))
         origins, directions = _rows(rays.origin, in_flight), _rows(rays.direction, in_flight)
-        found = self._triangles.intersect(origins, directions)
-        self._triangles.write_hits(found, hits, in_flight)
+        found = self.triangles.intersect(origins, directions)
+        self.triangles.write_hits(found, hits, in_flight)
         reach = np.where(found["primID"] >= 0, found["tfar"], np.float32(np.inf))
         if self._curves is not None:
             self._curves.overwrite(hits, in_flight, origins, directions, reach)
@@ -153,8 +153,8 @@ class EmbreeIntersector:
     def move(self, geometry: TraceGeometry) -> None:
         """embreex can neither refit a tree nor exchange a mesh: if anything moved, Embree builds a new one of all
         triangles. A second tree for what moves costs every ray more than it saves (benchmarks/results/trees.md)."""
-        if not self._triangles.are_those_of(geometry):
-            self._triangles = EmbreeTriangles(geometry)
+        if not self.triangles.are_those_of(geometry):
+            self.triangles = EmbreeTriangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
         self._is_pane = _panes(geometry)
         self._hand, self._open_back = _backs(geometry)
@@ -179,16 +179,16 @@ class EmbreeIntersector:
     def _free_of_triangles(self, origins: NDArray, vectors: NDArray, sees_backs: bool) -> NDArray[np.bool_]:
         sees_backs = sees_backs and bool(self._open_back.any())
         if self._coverage is None and not sees_backs:
-            return ~self._triangles.occluded(origins, vectors)
+            return ~self.triangles.occluded(origins, vectors)
         # One layer at a time: Embree finds the nearest triangle, and the shaders decide whether the ray passes it. (To
         # test for opaque occluders first costs more time than it saves.)
         free = np.zeros(len(origins), bool)
         pending = np.arange(len(origins))
         start, vector, reach = origins, vectors, np.full(len(origins), SHADOW_REACH, np.float32)
         for _ in range(MAX_LAYERS):
-            found = self._triangles.intersect(start, vector, reach.copy())
+            found = self.triangles.intersect(start, vector, reach.copy())
             hits = np.empty((len(pending), 4), np.uint32)
-            self._triangles.write_hits(found, hits, np.arange(len(pending)))
+            self.triangles.write_hits(found, hits, np.arange(len(pending)))
             hit = found["primID"] >= 0
             free[pending[~hit]] = True
             passes = hit & self._leaves_by_back(found, hits, vector) if sees_backs else np.zeros(len(pending), bool)
@@ -227,9 +227,9 @@ class EmbreeIntersector:
         start, begin = origins[pending], np.zeros(len(pending), np.float32)
         for _ in range(MAX_LAYERS):
             vector = vectors[pending]
-            found = self._triangles.intersect(start, vector, SHADOW_REACH - begin)
+            found = self.triangles.intersect(start, vector, SHADOW_REACH - begin)
             hits = np.empty((len(pending), 4), np.uint32)
-            self._triangles.write_hits(found, hits, np.arange(len(pending)))
+            self.triangles.write_hits(found, hits, np.arange(len(pending)))
             hit = found["primID"] >= 0
             end = np.where(hit, begin + found["tfar"], np.float32(1))
             if media is not None:

@@ -14,6 +14,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
+from ..layout import INSTANCE_MASK
 from ..texels import put_texels
 from .flatten import flatten
 from .intersect import SHADOW_REACH
@@ -65,6 +66,11 @@ class EmbreeTriangles:
         if len(found) == 1:
             return found[0]
         return {name: np.concatenate([part[name] for part in found]) for name in ("primID", "u", "v", "tfar", "Ng")}
+
+    def places(self, primitives: NDArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The instance of each triangle that was hit, and its number in the mesh."""
+        pairs = self._pairs[primitives]
+        return (pairs & np.uint64(INSTANCE_MASK)).astype(np.int64), (pairs >> np.uint64(32)).astype(np.int64)
 
     def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
         """Whether the vectors, without their ends, are occluded."""

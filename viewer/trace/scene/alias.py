@@ -41,15 +41,19 @@ def alias_grid(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     square whose side is a power of two have the cells of a compact place as their aliases, and points that are
     stratified in the grid are stratified among the heavy cells, too.
     """
-    rows, columns = weights.shape
-    codes = _spread_bits(np.arange(columns)) | _spread_bits(np.arange(rows))[:, None] << 1
-    order = np.full(codes.max() + 1, -1)
-    order[codes.ravel()] = np.arange(weights.size)
-    order = order[order >= 0]
+    order = morton_order(*weights.shape)
     threshold, alias = np.empty(weights.size), np.empty(weights.size, np.uint32)
     threshold[order], along = alias_table(weights.ravel()[order])
     alias[order] = order[along]
     return threshold, alias
+
+
+def morton_order(rows: int, columns: int) -> np.ndarray:
+    """The cells of a grid, row by row, in the order of a Z-order curve: (rows * columns,) int64."""
+    codes = _spread_bits(np.arange(columns)) | _spread_bits(np.arange(rows))[:, None] << 1
+    order = np.full(codes.max() + 1, -1)
+    order[codes.ravel()] = np.arange(rows * columns)
+    return order[order >= 0]
 
 
 def _spread_bits(numbers: np.ndarray) -> np.ndarray:

@@ -81,6 +81,8 @@ class SceneLights:
         emitters, emitted = find_emitters(scene, geometry)
         if settings.lobes != "all" or not emitted.any():
             emitters, emitted = emitters[:0], emitted[:0]
+        self.emitters = emitters.copy(), emitted
+        """The records and powers of the emissive triangles (emitters.py)."""
         radius = settings.light_radius / scene.radius
 
         is_lamp = ~columns.is_far[numbers]

@@ -19,6 +19,7 @@ from ...scene.yarn.spun import spun
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
+from .caustic_guide import CausticGuide
 from .curves import trace_curves
 from .encode import geometry_switches
 from .geometry import trace_geometry
@@ -46,8 +47,8 @@ class TracedScene:
         self._grids: VolumeGrids | None = None
         self._weave = WeaveBinding(context.gl)
         self._take_volumes(scene)
-        self._set_lights(scene, settings, None)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
+        self._set_lights(scene, settings, None)
 
     def holds(self, scene: Scene) -> bool:
         """Whether these are the triangles and materials of that scene. Its lights may differ."""
@@ -70,8 +71,8 @@ class TracedScene:
         self._data.take(scene, geometry)
         if scene.volumes != self._scene.volumes:
             self._take_volumes(scene)
-        self._set_lights(scene, settings, self._lights)
         self.intersector.move(geometry)
+        self._set_lights(scene, settings, self._lights)
         return True
 
     def relight(self, scene: Scene, settings: Settings) -> None:
@@ -94,6 +95,7 @@ class TracedScene:
             for name, texels in self.geometry.curves.texels(settings).items():
                 buffer.add(name, texels)
         self.photons = Photons(scene, self.geometry, buffer, settings, self._lights.lit)
+        self._guide = CausticGuide(scene, self.geometry, buffer, self._lights, self.intersector)
         self._data.upload(buffer)
         self._data.show_specular(bool(bsdf_switches(settings)["SHOW_SPECULAR"]))
         self._scene, self._droplets = scene, _droplets(scene, settings)
@@ -102,7 +104,7 @@ class TracedScene:
     @property
     def switches(self) -> dict[str, int]:
         """The defines that say which features of surfaces and lights the scene has."""
-        return self._data.switches | self._lights.switches | self._droplets
+        return self._data.switches | self._lights.switches | self._guide.switches | self._droplets
 
     def media_uniforms(self, eye: NDArray | None) -> dict[str, object]:
         """The uniforms of media and of those around `eye`, (3,) in tracer space; None: it has no place."""
@@ -149,7 +151,7 @@ class TracedScene:
         """Set the uniforms that do not depend on the picture."""
         self._data.set_uniforms(program)
         self._lights.set_uniforms(program)
-        for name, value in self.photons.uniforms.items():
+        for name, value in {**self.photons.uniforms, **self._guide.uniforms}.items():
             set_uniform(program, name, value)
         woven = (m.material.weave for m in self.geometry.materials if m.material.weave is not None)
         self._weave.bind(program, next(woven, None), UNIT_WEAVE)
@@ -186,6 +188,8 @@ def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     buffer = SceneBufferBuilder()
     lights = SceneLights(None, scene, geometry, buffer, settings)
     photons = Photons(scene, geometry, buffer, settings, lights.lit)
-    return plan_trace(scene, settings, geometry, switches | lights.switches | _droplets(scene, settings),
+    guide = CausticGuide(scene, geometry, buffer, lights)
+    switches |= lights.switches | guide.switches | _droplets(scene, settings)
+    return plan_trace(scene, settings, geometry, switches,
                       has_layers=settings.denoise != "off", left_out=lights.left_out, photons=photons,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")

@@ -1,0 +1,192 @@
+"""The guide to caustics: its directions against their density, its density against float64, and its pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from harness import evaluate
+from test_light_sampling import FLOOR, place, scene_of
+
+from viewer.measure.check.chi_squared import critical_value, statistic
+from viewer.plan.bsdf_switches import bsdf_switches
+from viewer.scene.camera import Camera
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Instance, Scene
+from viewer.settings import Settings
+from viewer.trace.layout import GUIDE_CELLS
+from viewer.trace.scene import caustic_guide
+from viewer.trace.scene.caustic_guide import CausticGuide, caster_table, place_of, square_of
+from viewer.trace.scene.caustic_rays import casters_of, caustic_rays
+from viewer.trace.scene.geometry import trace_geometry
+from viewer.trace.scene.lights import SceneLights
+from viewer.trace.scene.scene_data import SceneData
+from viewer.trace.tracer import Tracer
+
+pytest.importorskip("embreex", reason="Embree finds the light of the guide")
+METAL = Material("metal", metallic=1.0, perceptual_roughness=0.1)
+LAMP = Material("lamp", emissive=(60.0, 60.0, 60.0))
+ABOVE = place(-0.5, 1.0, 0.0, (0.2, 1.0, 0.2), np.pi)  # shines down
+CENTER, RADIUS = np.array([0.5, -0.5, 0.0]), 0.4
+
+
+def with_ball(material: Material, *placed: tuple[Material, np.ndarray]) -> Scene:
+    """Quads, and a ball of `material`."""
+    scene, rings, segments = scene_of(*placed), 12, 24
+    theta, phi = np.meshgrid(np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, segments + 1), indexing="ij")
+    points = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), -np.sin(theta) * np.sin(phi)], -1).reshape(-1, 3)
+    at = (np.arange(rings)[:, None] * (segments + 1) + np.arange(segments)).ravel()
+    below = at + segments + 1
+    corners = np.stack([at, below, at + 1, at + 1, below, below + 1], -1).ravel().astype(np.uint32)
+    ball = Mesh("ball", points.astype(np.float32), len(placed), indices=corners, normals=points.astype(np.float32))
+    matrix = np.diag([RADIUS, RADIUS, RADIUS, 1.0])
+    matrix[:3, 3] = CENTER
+    return Scene("ball", (*scene.meshes, ball), (*scene.materials, material),
+                 (*scene.instances, Instance(len(placed), matrix)))
+
+
+class Guided:
+    """The guide of a scene, on the GPU and in float64."""
+
+    def __init__(self, context, folder) -> None:
+        self.context, self.folder = context, folder
+        self.scene = with_ball(METAL, FLOOR, (LAMP, ABOVE))
+        geometry = trace_geometry(self.scene)
+        self.data = SceneData(context, self.scene, geometry)
+        lights = SceneLights(context, self.scene, geometry, self.data.buffer, Settings())
+        self.guide = CausticGuide(self.scene, geometry, self.data.buffer, lights)
+        self.data.upload()
+        from viewer.trace.rays.embree_triangles import EmbreeTriangles
+
+        self.casters = casters_of(geometry, 0.6, 4)
+        rays = caustic_rays(self.scene, geometry, EmbreeTriangles(geometry), self.casters, *lights.emitters, None)
+        self.table = caster_table(self.casters[0], 0, rays)
+
+    def run(self, body: str, rows: np.ndarray, outputs: int = 1) -> np.ndarray:
+        def bind(program) -> None:
+            self.data.bind(program)
+            for name, value in self.guide.uniforms.items():
+                program[name] = value
+        switches = self.data.switches | self.guide.switches | bsdf_switches(Settings())
+        (self.folder / "guide.glsl").write_text('#include "trace/scene_buffer.glsl"\n'
+                                                '#include "trace/caustic_guide.glsl"\n')
+        return evaluate(self.context, self.folder, "guide.glsl", body, rows.astype(np.float32), outputs, switches, bind)
+
+    def to_tracer(self, p: np.ndarray) -> np.ndarray:
+        return (p - self.scene.center) / self.scene.radius
+
+    def density(self, p: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """By solid angle, from the point (3,) in tracer space"""
+        caster = self.casters[0]
+        away = np.tile(p - caster.center, (len(direction), 1))
+        distance = np.linalg.norm(away[0])
+        away /= distance
+        ratio = caster.radius / distance
+        column, row = np.minimum(square_of(np.full(len(away), ratio), away, direction) * GUIDE_CELLS,
+                                 GUIDE_CELLS - 1).astype(int).T
+        weights = self.table.weights[place_of(away)[0]]
+        cells = (1 - caustic_guide.FLOOR) * weights / weights.sum() + caustic_guide.FLOOR / len(weights)
+        spread = 1 - np.sqrt(1 - ratio**2)
+        inside = -(direction * away).sum(axis=1) > 1 - spread
+        return inside * cells[row * GUIDE_CELLS + column] * GUIDE_CELLS**2 / (2 * np.pi * spread)
+
+
+@pytest.fixture(scope="module")
+def guided(context, tmp_path_factory) -> Guided:
+    return Guided(context, tmp_path_factory.mktemp("guide"))
+
+
+@pytest.fixture(scope="module")
+def lit_point(guided) -> np.ndarray:
+    """A point in tracer space at which the ball throws light, on the side of the lamp."""
+    return guided.to_tracer(np.array([-0.3, -1.0, 0.1]))
+
+
+def _at(p: np.ndarray) -> str:
+    return f"Guide g = guide_at(vec3({p[0]:.9f}, {p[1]:.9f}, {p[2]:.9f}), mat3(1.0), 1.0);"
+
+
+def test_directions_have_their_density(guided, lit_point) -> None:
+    count = 1 << 18
+    u = np.random.default_rng(1).integers(0, 1 << 24, (count, 3)) / 2**24
+    found = guided.run(_at(lit_point) + "vec3 d = guide_direction(g, f0.xyz); o0 = vec4(d, guide_pdf(g, d));"
+                       "o1.x = g.share;", u, 2)
+    direction, pdf = found[:, 0, :3], found[:, 0, 3]
+    assert 0 < found[0, 1, 0] <= caustic_guide.MOST_SHARE
+    np.testing.assert_allclose(np.linalg.norm(direction, axis=1), 1, atol=1e-6)
+    assert (pdf > 0).all()
+    expected = guided.density(lit_point, direction)
+    assert np.mean(np.abs(pdf / expected - 1) < 1e-4) > 0.999  # others lie on edges of cells
+    away = guided.to_tracer(CENTER) - lit_point
+    distance = np.linalg.norm(away)
+    square = square_of(np.full(count, guided.casters[0].radius / distance), np.tile(-away / distance, (count, 1)),
+                       direction)
+    column, row = np.minimum(square * GUIDE_CELLS, GUIDE_CELLS - 1).astype(int).T
+    counts = np.bincount(row * GUIDE_CELLS + column, minlength=GUIDE_CELLS**2)
+    weights = guided.table.weights[place_of(-away[None] / distance)[0]]
+    cells = (1 - caustic_guide.FLOOR) * weights / weights.sum() + caustic_guide.FLOOR / len(weights)
+    chi2, freedom = statistic(counts.astype(float), cells * count)
+    assert chi2 < critical_value(freedom, 1)
+
+
+def test_density_is_that_of_float64(guided, lit_point) -> None:
+    direction = np.random.default_rng(2).normal(size=(20000, 3))
+    direction = direction / np.linalg.norm(direction, axis=1)[:, None] * 0.5 + (guided.to_tracer(CENTER) - lit_point)
+    direction = (direction / np.linalg.norm(direction, axis=1)[:, None]).astype(np.float32)
+    found = guided.run(_at(lit_point) + "o0.x = guide_pdf(g, f0.xyz);", direction)[:, 0, 0]
+    expected = guided.density(lit_point, direction.astype(np.float64))
+    assert (expected > 0).any() and (expected == 0).any()
+    assert np.mean(np.abs(found - expected) <= 1e-4 * expected) > 0.999
+
+
+def test_extremes_are_finite(guided) -> None:
+    """Inside the caster, at its middle, just outside, far away, and on its axis."""
+    rng, center, radius = np.random.default_rng(3), guided.to_tracer(CENTER), guided.casters[0].radius
+    away = rng.normal(size=(4000, 3))
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    distance = radius * np.repeat([0.0, 0.5, 1 + 1e-6, 1.001, 1e4, 1e9, 1e15, 1e18], 500)
+    points = center + away * distance[:, None]
+    rows = np.concatenate([points, rng.integers(0, 1 << 24, (4000, 3)) / 2**24], axis=1)
+    found = guided.run("Guide g = guide_at(f0.xyz, mat3(1.0), 1.0);"
+                       "vec3 d = guide_direction(g, vec3(f0.w, f1.xy)); o0 = vec4(d, guide_pdf(g, d));"
+                       "o1 = vec4(g.share, guide_pdf(g, -d), guide_pdf(g, vec3(0.0, 1.0, 0.0)), 0.0);", rows, 2)
+    assert np.isfinite(found).all()
+    share = found[:, 1, 0]
+    assert (share[:1000] == 0).all() and (share[1500:2000] > 0).any() and (share[-1500:] == 0).all()
+    assert (found[share > 0, 0, 3] > 0).all()
+
+
+@pytest.mark.parametrize("material", [Material("rough metal", metallic=1.0, perceptual_roughness=0.8),
+                                      Material("plastic", metallic=0.0, perceptual_roughness=0.1)])
+def test_there_is_none_without_casters(context, material) -> None:
+    scene = with_ball(material, FLOOR, (LAMP, ABOVE))
+    geometry = trace_geometry(scene)
+    data = SceneData(context, scene, geometry)
+    lights = SceneLights(context, scene, geometry, data.buffer, Settings())
+    count = data.buffer.count
+    guide = CausticGuide(scene, geometry, data.buffer, lights)
+    assert guide.switches == {"HAS_CAUSTIC_GUIDE": 0}
+    assert data.buffer.count == count
+    data.release()
+    lights.release()
+
+
+@pytest.mark.parametrize("material", [METAL, Material("glass", metallic=0.0, transmission=1.0, thickness=1.0,
+                                                      perceptual_roughness=0.0)])
+def test_the_picture_is_the_same_with_less_noise(context, material, monkeypatch) -> None:
+    """Of floor and walls beside the ball, by many small pictures"""
+    wall = Material("wall"), place(1.2, 0.0, 0.0, (2.0, 1.0, 2.0), np.pi / 2)
+    scene = with_ball(material, FLOOR, wall, (LAMP, ABOVE))
+    camera = Camera.look_at((0.3, 0.6, 2.2), (0.5, -0.9, 0.0), fov_y=np.radians(50))
+    pictures = {}
+    for name in ("guided", "plain"):
+        if name == "plain":
+            monkeypatch.setattr(caustic_guide, "_tables", lambda *_: [])
+        tracer = Tracer(context)
+        pictures[name] = np.array([
+            tracer.render(scene, camera, Settings.of(mode="path", spp=32, seed=seed, background="#000000"), (16, 16))
+            .linear[..., :3] for seed in range(12)], np.float64)
+    variance = {name: values.var(axis=0, ddof=1) for name, values in pictures.items()}
+    error = np.sqrt((variance["guided"] + variance["plain"]).sum() / 12)
+    assert abs((pictures["guided"].mean(axis=0) - pictures["plain"].mean(axis=0)).sum()) < 4 * error
+    assert variance["guided"].mean() < 0.7 * variance["plain"].mean()

@@ -1,0 +1,168 @@
+"""Tables by which rough surfaces send rays to where smooth bodies show them lamps (shaders/trace/caustic_guide.glsl).
+
+A path that leaves a rough surface seldom meets a ball of metal or of glass just where that reflects or refracts it to a
+lamp. What it brings then is so much that nearly all noise of a scene can come of it. So photons find before where the
+light comes from (Jensen 1995, "Importance Driven Path Tracing using the Photon Map"). Their directions are counted
+relative to the body, the caster, because they depend on where a surface lies around it, and not on where in the scene:
+for each place around a caster in cells of the disk that it shows there. A share of a surface's samples follows these
+counts, and the rest its BSDF; samples are weighed by the density of both together, so that there is no bias, whatever
+the tables say.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.scene import Scene
+from ..layout import GUIDE_CELLS, GUIDE_PLACES
+from ..rays.intersect import Intersector
+from .alias import alias_table, morton_order
+from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, unit
+from .geometry import TraceGeometry
+from .lights import SceneLights
+from .scene_buffer import SceneBufferBuilder
+
+MOST_CASTERS = 4
+_CANDIDATES = 16
+_LARGEST = 0.6
+"""The radius of a caster, at most: larger ones surround most of the scene."""
+_LEAST_PHOTONS = 8
+"""Photons that a place needs."""
+MOST_SHARE = 0.25
+"""Of a surface's samples that are guided. Below it, their share is that of the caster's light in all light."""
+FLOOR = 0.1
+"""Of the guided samples, those that are spread over the whole disk."""
+_COPIES = 4
+"""Each photon counts as so many, moved by about a place and a cell, so that few photons make no gaps."""
+
+
+class CausticGuide:
+    """Adds the sections `guide_casters`, `guide_places` and `guide_cells` to `buffer` if smooth bodies throw light on
+    rough surfaces. `count` is the number of these casters, `uniforms` and `switches` are those of the shader.
+
+    The triangles are those of `intersector`, if it is Embree's. Where Embree is not installed there is no guide. Raises
+    InputError for an environment that cannot be decoded.
+    """
+
+    def __init__(self, scene: Scene, geometry: TraceGeometry, buffer: SceneBufferBuilder, lights: SceneLights,
+                 intersector: Intersector | None = None) -> None:
+        tables = _tables(scene, geometry, lights, intersector)
+        self.count = len(tables)
+        self.uniforms: dict[str, object] = {"u_guide_count": self.count}
+        self.switches = {"HAS_CAUSTIC_GUIDE": int(self.count > 0)}
+        if not tables:
+            return
+        spheres = [[*table.caster.center, table.caster.radius] for table in tables]
+        buffer.add("guide_casters", np.array(spheres, np.float32))
+        places = np.zeros((len(tables), GUIDE_PLACES**2, 4), np.uint32)
+        cells, first = [], 0
+        for k, table in enumerate(tables):
+            lit = np.flatnonzero(table.shares)
+            places[k, lit, 0] = first + GUIDE_CELLS**2 * np.arange(len(lit))
+            places[k, lit, 1] = table.shares[lit].astype(np.float32).view(np.uint32)
+            cells.append(_cells(table.weights[lit]))
+            first += len(cells[-1])
+        buffer.add("guide_places", places.reshape(-1, 4))
+        buffer.add("guide_cells", np.concatenate(cells))
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The light of a caster: the `weights` of the cells for each place (places, cells), and the `shares` (places,) of
+    samples, 0 where no light was found."""
+
+    caster: Caster
+    weights: NDArray[np.float64]
+    shares: NDArray[np.float64]
+
+
+def _tables(scene: Scene, geometry: TraceGeometry, lights: SceneLights, intersector: Intersector | None,
+            ) -> list[Table]:
+    emitters, emitted = lights.emitters
+    environment = scene.environment if lights.switches["HAS_ENVIRONMENT"] else None
+    casters = casters_of(geometry, _LARGEST, _CANDIDATES)
+    if not casters or (environment is None and not emitted.any()):
+        return []
+    triangles = getattr(intersector, "triangles", None)
+    if triangles is None:
+        try:
+            from ..rays.embree_triangles import EmbreeTriangles
+        except ImportError:
+            return []
+        triangles = EmbreeTriangles(geometry)
+    rays = caustic_rays(scene, geometry, triangles, casters, emitters, emitted, environment)
+    flux = np.bincount(rays.caster, rays.flux, len(casters))
+    tables = [caster_table(casters[k], k, rays) for k in np.argsort(-flux, kind="stable")[:MOST_CASTERS]]
+    return [table for table in tables if table.shares.any()]
+
+
+def caster_table(caster: Caster, number: int, rays: CausticRays) -> Table:
+    """Counts the rays of the caster with that number."""
+    away = rays.point - caster.center
+    distance = np.linalg.norm(away, axis=1)
+    is_own = (rays.caster == number) & (distance > caster.radius)
+    away, distance, direction = away[is_own] / distance[is_own, None], distance[is_own], rays.direction[is_own]
+    flux, cosine = rays.flux[is_own], rays.cosine[is_own]
+    rng, square = np.random.default_rng(2), square_of(caster.radius / distance, away, direction)
+    weights, counts = np.zeros(GUIDE_PLACES**2 * GUIDE_CELLS**2), np.zeros(GUIDE_PLACES**2, np.int64)
+    squares, cosines = np.zeros((2, GUIDE_PLACES**2))
+    for _ in range(_COPIES):
+        place = place_of(unit(away + rng.normal(0, 1 / GUIDE_PLACES, away.shape)))
+        moved = (square + rng.normal(0, 0.5 / GUIDE_CELLS, square.shape)) * GUIDE_CELLS
+        column, row = np.clip(moved.astype(np.int64), 0, GUIDE_CELLS - 1).T
+        weights += np.bincount((place * GUIDE_CELLS + row) * GUIDE_CELLS + column, flux, len(weights))
+        counts += np.bincount(place, minlength=len(counts))
+        # The surface that a place shows has the area of its solid angle times distance^2 / cosine.
+        squares += np.bincount(place, distance**2, len(counts))
+        cosines += np.bincount(place, cosine, len(counts))
+    weights = weights.reshape(len(counts), -1) / _COPIES
+    area = 4 * np.pi / len(counts) * squares / np.maximum(cosines, 1e-30)
+    irradiance = weights.sum(axis=1) / np.maximum(area, 1e-30)
+    shares = np.minimum(irradiance / max(rays.mean, 1e-30), MOST_SHARE)
+    shares[counts < _LEAST_PHOTONS * _COPIES] = 0.0
+    return Table(caster, weights, shares)
+
+
+def place_of(away: NDArray) -> NDArray[np.int64]:
+    """The place of unit vectors from the middle of a caster, (N, 3)."""
+    p = away[:, :2] / np.abs(away).sum(axis=1, keepdims=True)
+    folded = (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1.0, -1.0)
+    column, row = np.clip((np.where(away[:, 2:] < 0, folded, p) * 0.5 + 0.5) * GUIDE_PLACES, 0, GUIDE_PLACES - 1).T
+    return row.astype(np.int64) * GUIDE_PLACES + column.astype(np.int64)
+
+
+def square_of(ratio: NDArray, away: NDArray, direction: NDArray) -> NDArray[np.float64]:
+    """Where directions from a point to its caster lie in the square of cells, (N, 2) in [0, 1]. `ratio` is the radius
+    of the caster over the distance to its middle, `away` the direction from there."""
+    spread = ratio**2 / (1 + np.sqrt(1 - ratio**2))
+    x, y = basis(-away)
+    across = np.stack([(direction * x).sum(axis=1), (direction * y).sum(axis=1)], axis=1)
+    rise = np.minimum((across**2).sum(axis=1) / np.maximum(1 - (direction * away).sum(axis=1), 1e-30), spread)
+    p = across / np.sqrt(spread * (2 - rise))[:, None]
+    # The inverse of Shirley & Chiu 1997, as in the shader
+    x_dominates = np.abs(p[:, 0]) > np.abs(p[:, 1])
+    major, minor = np.where(x_dominates, p.T, p.T[::-1])
+    r = np.sign(major) * np.linalg.norm(p, axis=1)
+    along = r * (4 / np.pi) * np.arctan(minor / np.where(major == 0, 1.0, major))
+    return np.clip(np.where(x_dominates, (r, along), (along, r)).T * 0.5 + 0.5, 0, 1)
+
+
+def _cells(weights: NDArray[np.float64]) -> NDArray[np.uint32]:
+    """The alias tables of places with these weights of cells, one after the other, (places * cells, 4)."""
+    count = weights.shape[1]
+    p = (1 - FLOOR) * weights / weights.sum(axis=1, keepdims=True) + FLOOR / count
+    order = morton_order(GUIDE_CELLS, GUIDE_CELLS)
+    # One table for all: each place has as much as it has cells, so that none gives or takes, but for rounding.
+    threshold, alias = (values.reshape(p.shape) for values in alias_table(p[:, order].ravel()))
+    place, cell = np.divmod(alias.astype(np.int64), count)
+    is_astray = place != np.arange(len(p))[:, None]
+    threshold[is_astray], cell[is_astray] = 1.0, 0
+    texels = np.empty((*p.shape, 4), np.uint32)
+    texels[:, order, 0], texels[:, order, 1] = threshold.astype(np.float32).view(np.uint32), order[cell]
+    density = (p * count).astype(np.float32)
+    texels[..., 2] = density.view(np.uint32)
+    texels[..., 3] = 0
+    return texels.reshape(-1, 4)
