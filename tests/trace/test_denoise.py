@@ -120,6 +120,26 @@ def test_what_is_no_surface_stays_as_it_was(denoise, truth):
     assert np.array_equal(result[:30], arrays["radiance"][:30]) and (result[..., 3] == 0.75).all()
 
 
+@pytest.mark.parametrize("denoise", ["oidn"], indirect=True)
+def test_rims_of_media_are_filtered_where_samples_missed_them_and_so_is_alpha(denoise):
+    """White smoke that thins out to the right, of which each sample collides or not; beyond it nothing is changed."""
+    share = np.clip(1 - np.arange(SIZE) / 64, 0, 1)[None, :, None] * np.ones((SIZE, 1, 1))
+    count = np.full((SIZE, SIZE, 1), 8.0)
+    hits = np.random.default_rng(1).binomial(8, share).astype(float)
+    zero, alpha = np.zeros((SIZE, SIZE, 3)), hits / 8
+    rgba = {"radiance": (zero + 0.5 * alpha, alpha), "sum": (zero + 0.5 * hits, count), "albedo": (zero + hits, hits),
+            "squares": (zero + 0.25 * hits, count), "normal": (zero, hits), "emission": (zero, hits)}
+    arrays = {name: np.concatenate(parts, axis=-1).astype(np.float32) for name, parts in rgba.items()}
+    result = denoise(arrays)
+
+    def wrong(picture: np.ndarray, columns: slice) -> np.ndarray:
+        return np.sqrt(((picture - share * [0.5, 0.5, 0.5, 1])[:, columns] ** 2).mean(axis=(0, 1)))
+
+    for columns in (slice(0, 48), slice(48, 66)):
+        assert (wrong(result, columns) < 0.4 * wrong(arrays["radiance"], columns)).all()
+    assert not result[:, 68:].any()
+
+
 def test_an_edge_of_the_light_stays_where_it_is(denoise, truth):
     """At 64 samples of moderate noise, the pixels beside the shadow's edge on the lower floor do not mix much."""
     result = denoise(noisy(truth, 64, 0.5))

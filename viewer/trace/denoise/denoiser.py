@@ -57,7 +57,8 @@ class Denoiser(Protocol):
         """The denoised picture, RGBA32F, in a texture that the denoiser owns and that is valid until the next call.
 
         `guide` is a picture without noise that shows about the same, linear radiance (H, W, 3) with row 0 at the top.
-        Only `raster` has one. Without it pixels without hits are unchanged. Alpha is unchanged in any case.
+        Only `raster` has one. Without it pixels without hits are unchanged, and alpha is in any case; but
+        `oidn` filters both about media.
         """
 
     def release(self) -> None: ...

@@ -8,6 +8,7 @@ import numpy as np
 from ...errors import UsageError
 from ...gpu.context import Context
 from ...gpu.float_texture import read_texels
+from ...image.neighbours import box
 from .denoiser import NoisyFilm
 
 _LEAST = 16
@@ -33,7 +34,7 @@ class OpenImageDenoise:
     def filter(self, film: NoisyFilm, guide: np.ndarray | None = None) -> moderngl.Texture:
         """As `Denoiser.filter`. There is no guide."""
         self._context.make_current()
-        emission = read_texels(film.emission)[..., :3] / np.maximum(read_texels(film.sum)[..., 3:], 1)
+        emission = read_texels(film.emission) / np.maximum(read_texels(film.sum)[..., 3:], 1)
         radiance, albedo, normal = (read_texels(texture) for texture in (film.radiance, film.albedo, film.normal))
         denoised = self.filter_arrays(radiance, albedo, normal, emission)
         if self._texture is None or self._texture.size != film.radiance.size:
@@ -47,20 +48,29 @@ class OpenImageDenoise:
         """The same for float32 arrays (H, W, 4). `albedo` and `normal` are sums over the hits, whose number is
         albedo.w.
 
-        `emission`, (H, W, 3), is the mean emission of the first hits, which the network would spread to neighbours.
+        `emission`, (H, W, 4), is the mean emission of the first hits, which the network would spread to neighbours; w
+        is the share of collisions in media. About these alpha has noise, too, and samples may have missed the medium
+        by chance, so that pixels near by are filtered as well, and alpha with them.
         """
+        near_media = box(emission[..., 3:]) > 0
+        emission = emission[..., :3]
         hits = albedo[..., 3:]
         features = [np.divide(total[..., :3], hits, out=np.zeros_like(total[..., :3]), where=hits > 0)
                     for total in (albedo, normal)]
         features[0] = np.clip(features[0], 0, 1)
         color = np.ascontiguousarray(radiance[..., :3])
-        is_unchanged = (hits == 0) | ~np.isfinite(color)
+        is_unchanged = ((hits == 0) & ~near_media) | ~np.isfinite(color)
         rest = np.where(np.isfinite(color), np.maximum(color - emission, 0), 0)
         height, width = color.shape[:2]
         beyond = (0, max(_LEAST - height, 0)), (0, max(_LEAST - width, 0)), (0, 0)
-        inputs = (np.pad(values, beyond, mode="edge") for values in (rest, *features))
+        inputs = [np.pad(values, beyond, mode="edge") for values in (rest, *features)]
         denoised = self._denoise(*inputs, hdr=True)[:height, :width] + emission
-        return np.concatenate([np.where(is_unchanged, color, denoised), radiance[..., 3:]], axis=-1)
+        alpha = radiance[..., 3:]
+        if (near_media & (alpha < 1)).any():
+            inputs[0] = np.pad(np.repeat(alpha, 3, axis=-1), beyond, mode="edge")
+            without_noise = self._denoise(*inputs, hdr=True)[:height, :width].mean(axis=-1, keepdims=True)
+            alpha = np.where(near_media, np.clip(without_noise, 0, 1), alpha)
+        return np.concatenate([np.where(is_unchanged, color, denoised), alpha], axis=-1)
 
     def release(self) -> None:
         if self._texture is not None:
