@@ -1,5 +1,5 @@
-// Transmitted light in screen space: the picture of the opaque surfaces behind, in levels of growing blur for rough
-// glass (viewer/raster/transmission.py). KHR_materials_transmission, KHR_materials_volume.
+// Transmitted light in screen space: the picture of what is behind, in levels of growing blur for rough glass
+// (viewer/raster/transmission.py). KHR_materials_transmission, KHR_materials_volume.
 // IS_SOLID: light is refracted at the front of a solid; else the surface is thin-walled, and light goes straight on.
 #include "raster/material.glsl"
 #include "raster/backdrop.glsl"

@@ -63,12 +63,29 @@ def test_a_body_absorbs_by_its_thickness_in_the_world(renderer, scale):
 
 
 @pytest.mark.parametrize("samples", ["none", "msaa-4"])
-def test_what_is_opaque_is_seen_through_and_glass_is_not(renderer, samples):
+def test_opaque_surfaces_and_other_walls_are_seen_through_a_wall(renderer, samples):
+    """In whichever order the file has them."""
     model = scene((plate(0), moved((0, 0, -1))), (plate(1), moved((0, 0, 0))), (plate(1), moved((0, 0, -0.5))),
                   materials=[RED, GLASS])
-    back = 2 * R / (1 + R)
+    kept = (1 - 2 * R / (1 + R)) ** 2
     found = middle(renderer, model, antialias=samples)
-    assert found == pytest.approx([4 * (1 - back), 1 - back, 0.5 * (1 - back), 1], abs=5e-3)
+    assert found == pytest.approx([4 * kept, kept, 0.5 * kept, 1], abs=5e-3)
+
+
+@pytest.mark.parametrize("double_sided, walls", [(True, 2), (False, 1)])
+def test_both_walls_of_a_hollow_ball_tint_what_is_behind(renderer, double_sided, walls):
+    wall = replace(GLASS, base_color=(0.9, 0.5, 0.2, 1), double_sided=double_sided)
+    model = scene((plate(0), moved((0, 0, -2))), (sphere(1), np.eye(4)), materials=[RED, wall])
+    kept = ((1 - 2 * R / (1 + R)) * np.array(wall.base_color[:3])) ** walls
+    assert middle(renderer, model)[:3] == pytest.approx(kept * RED.emissive, rel=0.01)
+
+
+def test_a_solid_is_seen_through_another(renderer):
+    solid = replace(GLASS, thickness=0.1, attenuation_distance=0.1, attenuation_color=(0.8, 0.5, 0.3))
+    model = scene((plate(0), moved((0, 0, -1))), (plate(1), moved((0, 0, 0))), (plate(1), moved((0, 0, -0.5))),
+                  materials=[RED, solid])
+    kept = ((1 - R) * np.array(solid.attenuation_color)) ** 2
+    assert middle(renderer, model)[:3] == pytest.approx(kept * RED.emissive, rel=0.01)
 
 
 def test_rough_glass_spreads_what_is_behind_it_and_keeps_its_light(renderer):

@@ -33,6 +33,7 @@ from .traced.refraction import TracedRefraction
 from .transmission import Backdrop
 from .units import UNIT_BACKGROUND, UNIT_RADIANCE
 from .visibility import MOST_POINTS, VisibilityPass
+from .walls import Wall, layers_of
 from .wireframe import Wireframe
 
 
@@ -164,12 +165,7 @@ class Passes:
                 self.curves.draw(frame, settings, plan, target.samples, uniforms)
         if plan.has_solid_transmission:  # before the background: they refract the environment themselves
             with drawing("solid transmission"):
-                uniforms |= self._take_backdrop(target)
-                if plan.has_traced_refraction:
-                    uniforms |= self.refraction.find(
-                        frame, plan, lambda rays: surfaces.draw_refraction_rays(frame, plan, rays), uniforms)
-                    target.framebuffer.use()
-                surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
+                self._draw_transmissive(SOLID, plan, frame, target, uniforms)
         if plan.background:
             if not plan.is_over_layers:
                 with drawing("background"):
@@ -185,8 +181,7 @@ class Passes:
                 self._grid.draw_ground(frame, target, settings)
         if plan.has_thin_transmission:
             with drawing("thin-walled transmission"):
-                uniforms |= self._take_backdrop(target)
-                surfaces.draw_transmissive(THIN_WALLED, frame, plan, uniforms)
+                self._draw_transmissive(THIN_WALLED, plan, frame, target, uniforms)
         if plan.has_blended:
             if plan.has_gaps:
                 uniforms |= self._draw_before_cloth(plan, _seen(plan, pixels), target, uniforms)
@@ -197,6 +192,21 @@ class Passes:
                 self._wireframe.draw(frame, target)
         if plan.grid:
             self._grid.draw_axes(frame, target, settings)
+
+    def _draw_transmissive(self, kind: int, plan: Plan, frame: Frame, target: Target,
+                           uniforms: dict[str, object]) -> None:
+        """Draw the THIN_WALLED or SOLID surfaces (`kind`), each layer over a copy of what is behind it. Where paths are
+        traced through solids, these find each other."""
+        surfaces = self._prepared.surfaces
+        draws = surfaces.transmissive(kind, frame, plan)
+        is_traced = kind == SOLID and plan.has_traced_refraction
+        for layer in [[Wall(draw) for draw in draws]] if is_traced else layers_of(draws, frame):
+            uniforms |= self._take_backdrop(target)
+            if is_traced:
+                uniforms |= self.refraction.find(
+                    frame, plan, lambda rays: surfaces.draw_refraction_rays(frame, plan, rays), uniforms)
+                target.framebuffer.use()
+            surfaces.draw_walls(layer, frame, uniforms)
 
     def _draw_background(self, frame: Frame, target: Target, plan: Plan, media: dict[str, object]) -> None:
         self._prepared.environment.draw_background(self._programs, self._depth, frame, target.half, plan, media)

@@ -21,6 +21,7 @@ from .geometry import MeshBuffers
 from .material_uniforms import MaterialUniforms
 from .surface_programs import TRIANGLES, gathering_program, gbuffer_program, path_program, vertex_of
 from .textures import Textures
+from .walls import SIDES, Side, Wall
 
 OfDraw = Callable[[Draw, MeshBuffers], Mapping[str, object]]
 """Further uniforms of a draw."""
@@ -116,20 +117,26 @@ class Surfaces:
         """Let `show` draw what shows deferred surfaces, with their programs and materials."""
         self._draw_solid([d for d in plan.draws if d.is_deferred], frame, plan, frame_uniforms, of_draw, show)
 
-    def draw_transmissive(self, kind: int, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
-        """Draw the THIN_WALLED or SOLID surfaces (`kind`) that do not blend.
+    def transmissive(self, kind: int, frame: Frame, plan: Plan) -> list[Draw]:
+        """The THIN_WALLED or SOLID surfaces (`kind`) that may be in the picture and do not blend."""
+        return self._in_order([d for d in plan.draws if d.transmits == kind], frame, plan)
 
-        `frame_uniforms` refer to the picture behind them.
-        """
-        self._draw_solid([d for d in plan.draws if d.transmits == kind], frame, plan, frame_uniforms)
+    def draw_walls(self, walls: list[Wall], frame: Frame, frame_uniforms: dict[str, object]) -> None:
+        """Draw transmissive surfaces, or one side of them. `frame_uniforms` refer to the picture behind them."""
+        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        for side in SIDES:
+            self._draw([wall.draw for wall in walls if wall.side == side], frame, frame_uniforms, side=side)
 
     def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object],
                     of_draw: OfDraw | None = None, show: Show | None = None) -> None:
+        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        self._draw(self._in_order(draws, frame, plan), frame, frame_uniforms, of_draw=of_draw, show=show)
+
+    def _in_order(self, draws: list[Draw], frame: Frame, plan: Plan) -> list[Draw]:
+        """Those of `draws` that are seen and do not blend, with few changes of programs and materials."""
         draws = [d for d in draws if d.alpha_mode != "blend" and (plan.is_everything or _is_visible(d, frame))]
         order = {program: k for k, program in enumerate(dict.fromkeys(d.program for d in draws))}
-        draws.sort(key=lambda d: (order[d.program], d.material))
-        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        self._draw(draws, frame, frame_uniforms, of_draw=of_draw, show=show)
+        return sorted(draws, key=lambda d: (order[d.program], d.material))
 
     def draw_blended(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw the blended surfaces, farthest first.
@@ -159,7 +166,7 @@ class Surfaces:
 
     def _draw(
         self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object], is_sorted: bool = False,
-        of_draw: OfDraw | None = None, show: Show | None = None,
+        of_draw: OfDraw | None = None, show: Show | None = None, side: Side = "all",
     ) -> None:
         bound: tuple[object, ...] = (None,)
         scene, gl = self.scene, self._gl
@@ -177,7 +184,8 @@ class Surfaces:
             mesh = self.mesh(draw.mesh)
             for name, value in of_draw(draw, mesh).items() if of_draw is not None else ():
                 set_uniform(program, name, value)
-            cull = not material.double_sided and scene.meshes[draw.mesh].topology == "triangles"
+            gl.cull_face = "front" if side == "back" else "back"
+            cull = (not material.double_sided or side != "all") and scene.meshes[draw.mesh].topology == "triangles"
             (gl.enable if cull else gl.disable)(moderngl.CULL_FACE)
             if draw.alpha_mode == "mask":
                 gl.enable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
@@ -189,7 +197,7 @@ class Surfaces:
             if draw.alpha_mode == "mask":
                 gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
-        gl.front_face = "ccw"
+        gl.front_face, gl.cull_face = "ccw", "back"
 
     def _draw_instance(self, program: moderngl.Program, draw: Draw, mesh: MeshBuffers, frame: Frame,
                        is_sorted: bool, show: Show | None = None) -> None:

@@ -1,4 +1,4 @@
-"""The picture behind transmissive surfaces, in screen space: it has the opaque surfaces, not the transmissive ones."""
+"""The picture behind transmissive surfaces, in screen space: it has what was drawn before them (walls.py)."""
 
 from __future__ import annotations
 
