@@ -1,6 +1,6 @@
 // Directions from rough surfaces to what smooth bodies, the casters, show them of lamps, by the tables of
-// viewer/trace/scene/caustic_guide.py. From where a surface is, a caster fills at most a cone about the direction to its
-// middle. A square of GUIDE_CELLS x GUIDE_CELLS cells is mapped to the directions of that cone, uniformly.
+// viewer/trace/scene/caustic_guide.py. From where a surface is, a caster fills at most a cone about the direction to
+// its middle. A square of GUIDE_CELLS x GUIDE_CELLS cells is mapped to the directions of that cone, uniformly.
 #include "sample/hemisphere.glsl"
 #include "sample/octahedron.glsl"
 #include "sample/orthonormal_basis.glsl"
