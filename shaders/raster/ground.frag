@@ -66,6 +66,6 @@ void main() {
         arrives += light.luminance.x * (is_outside ? 1.0 : textureLod(u_atlas, texel, 0.0));
     }
 #endif
-    bool is_seen = d.y < 0.0 && way > 0.0 && all > 0.0;
+    bool is_seen = v_ray.y < 0.0 && way > 0.0 && all > 0.0;
     o_color = vec4(0.0, 0.0, 0.0, is_seen ? clamp(1.0 - arrives / all, 0.0, 1.0) : 0.0);
 }
