@@ -13,7 +13,10 @@ uniform mat4 u_model;
 uniform mat3 u_normal_matrix;
 #endif
 uniform float u_handedness;
-uniform mat3 u_pixel_ray, u_pixel_origin; // (x, y, 1), in pixels, to a ray's direction and start
+uniform mat3 u_pixel_ray;    // (x, y, 1), in pixels, to a ray's direction
+#if IS_ORTHOGRAPHIC
+uniform mat3 u_pixel_origin; // and to its start, which is the eye elsewhere
+#endif
 
 vec4 geometry(int texel) {
     return texelFetch(u_geometry, texel);
@@ -30,16 +33,25 @@ void find_surface() {
     mat2x3 edge = mat2x3(mat3(u_model) * (a1.xyz - a0.xyz), mat3(u_model) * (a2.xyz - a0.xyz));
 
     // Where the ray o + t d meets the triangle (Moeller and Trumbore 1997), and the derivatives by the pixel's x and y
-    vec3 pixel = vec3(gl_FragCoord.xy, 1.0), d = u_pixel_ray * pixel, s = u_pixel_origin * pixel - p0;
+    vec3 pixel = vec3(gl_FragCoord.xy, 1.0), d = u_pixel_ray * pixel;
+#if IS_ORTHOGRAPHIC
+    vec3 s = u_pixel_origin * pixel - p0;
+#else
+    vec3 s = -p0;
+#endif
     vec3 dxe = cross(d, edge[1]), sxe = cross(s, edge[0]);
     float determinant = dot(edge[0], dxe), inverse = determinant != 0.0 ? 1.0 / determinant : 0.0;
     deferred_front = determinant * u_handedness > 0.0;
     vec2 b = vec2(dot(s, dxe), dot(d, sxe)) * inverse;
     mat2 slope;
     for (int k = 0; k < 2; ++k) {
-        vec3 turned = cross(u_pixel_ray[k], edge[1]), moved = u_pixel_origin[k];
-        slope[k] = (vec2(dot(s, turned) + dot(moved, dxe), dot(u_pixel_ray[k], sxe) + dot(d, cross(moved, edge[0])))
-                    - b * dot(edge[0], turned)) * inverse;
+        vec3 turned = cross(u_pixel_ray[k], edge[1]);
+        slope[k] = vec2(dot(s, turned), dot(u_pixel_ray[k], sxe)) - b * dot(edge[0], turned);
+#if IS_ORTHOGRAPHIC
+        vec3 moved = u_pixel_origin[k];
+        slope[k] += vec2(dot(moved, dxe), dot(d, cross(moved, edge[0])));
+#endif
+        slope[k] *= inverse;
     }
     // As in OpenGL's multisampling, a triangle that covers samples but not the centre is continued to there, but not
     // far: it may be seen edge-on.

@@ -206,7 +206,7 @@ def _draw(
                            or any(MAPS[name].info.needs_tangents for name in maps)),
         "INDIRECT": common["INDIRECT"] * lit,
         **features,
-        **{name: common[name] for name in ("HALF_TARGET", "SAMPLES", "MEDIA", "DEFERRED")},
+        **{name: common[name] for name in ("HALF_TARGET", "SAMPLES", "MEDIA", "DEFERRED", "IS_ORTHOGRAPHIC")},
         "SUBSURFACE": subsurface(material, model, settings),
     }
     switches["INSTANCED"] = int(is_instanced(count, material, switches))
