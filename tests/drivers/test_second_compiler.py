@@ -87,6 +87,8 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(keys(foggy, Settings.of(mode=mode, fog=1.0, fog_height=height)))
         smoky = replace(foggy, volumes=(Volume.in_box(np.ones((1, 1, 1)), [[0, 0, 0], [1, 1, 1]]),) * 2)
         wanted |= dict.fromkeys(keys(smoky, Settings.of(mode=mode, fog=height)))
+        burning = replace(smoky, lights=(*smoky.lights, Light("point", radius=0.5)))
+        wanted |= dict.fromkeys(keys(burning, Settings.of(mode=mode, fog=height, volume_emission=1.0)))
     hairy = replace(foggy, curves=tuple(Curves("c", np.eye(3), np.ones(3), [0, 3], [False], colors=colors)
                                         for colors in (None, np.eye(3))))
     for fog in (0.0, 1.0):
