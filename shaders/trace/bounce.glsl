@@ -20,6 +20,18 @@ bool continues_straight(Path p, SurfaceMaterial m, bool is_back, float u) {
     return is_back && p.depth == 0;
 }
 
+#if HAS_SEE_THROUGH
+// The random number that decides it. One number serves all surfaces that a path continues straight through, so that it
+// is spread evenly over the samples whether it passes one or many: what decided is taken off it at each of them.
+float number_of_coverage(Path p, float fresh) {
+    return p.kept > 0.0 ? p.kept : fresh;
+}
+
+float left_of(float u, float coverage) {
+    return u < coverage ? u / coverage : (u - coverage) / (1.0 - coverage);
+}
+#endif
+
 void continue_straight(inout Path p, Interaction i) {
     float way = distance(p.origin, i.position);
 #if HAS_SCATTERING

@@ -60,6 +60,9 @@ Path emit(vec4 u, vec2 u_disk) {
 
     Path p;
     p.pdf = p.travelled = 0.0;
+#if HAS_SEE_THROUGH
+    p.kept = 0.0;
+#endif
 #if HAS_LIGHT_TREE
     p.facing = 0.0;
 #endif

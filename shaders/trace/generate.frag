@@ -56,6 +56,9 @@ void main() {
     camera_ray(vec2(view_pixel(s.pixel)) + u, p.origin, p.direction); // a box filter over the pixel
 #endif
     p.pdf = p.travelled = 0.0;
+#if HAS_SEE_THROUGH
+    p.kept = 0.0;
+#endif
 #if HAS_LIGHT_TREE
     p.facing = 0.0;
 #endif

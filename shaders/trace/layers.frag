@@ -17,7 +17,11 @@ void main() {
     bool is_glass = hit_kind(hit) == KIND_GLASS;
     bool is_back = !i.is_front && !m.is_double_sided && !is_glass && hit_kind(hit) != KIND_TRANSLUCENT;
     // The same random number as in the pass that shades this surface
-    if (continues_straight(p, m, is_back, vertex_numbers(path_sample(texel, p.left), p, LIGHT_GROUP).w)) discard;
+    float u = vertex_numbers(path_sample(texel, p.left), p, LIGHT_GROUP).w;
+#if HAS_SEE_THROUGH
+    u = number_of_coverage(p, u);
+#endif
+    if (continues_straight(p, m, is_back, u)) discard;
 
     m.emission = through_coat(m.emission, i, m.inputs, wo);
     vec3 albedo = surface_albedo(surface_of(m.inputs), dot(i.n, wo), u_dfg);

@@ -77,6 +77,10 @@ void main() {
     vec4 u_light = vertex_numbers(s, p, LIGHT_GROUP);
     vec4 u_bsdf = vertex_numbers(s, p, BSDF_GROUP);
 
+#if HAS_SEE_THROUGH
+    u_light.w = number_of_coverage(p, u_light.w);
+    p.kept = left_of(u_light.w, m.coverage);
+#endif
     if (continues_straight(p, m, is_back, u_light.w)) {
         continue_straight(p, i);
         write_path(p, IN_FLIGHT);
@@ -131,7 +135,10 @@ void main() {
 #else
     const vec3 n_light = vec3(0.0);
 #endif
-    u_light.w /= m.coverage; // below it, for else the path went straight on
+#if HAS_SEE_THROUGH
+    u_light.w = p.kept;
+    p.kept = 0.0;
+#endif
     int candidates = p.depth == 0 ? FIRST_CANDIDATES : 1; // later there is less to gain
     SurfaceLight lit = sample_light_at(i, bsdf, frame, local_wo, n_light, u_light, candidates);
     if (lit.side != 0.0 && !(may_pass && is_last))

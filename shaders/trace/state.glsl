@@ -36,6 +36,9 @@ struct Path {
     float facing;       // of the path's last vertex (trace/facing.glsl)
 #endif
     float travelled;    // distance from the path's last vertex to the origin, which differs from it after crossings
+#if HAS_SEE_THROUGH
+    float kept;         // what is left of the random number that let it through a surface, 0 if nothing is
+#endif
     vec3 throughput;
     vec3 radiance;
     int depth;          // number of scattering events
@@ -113,6 +116,9 @@ Path read_path(ivec2 texel, uvec4 hit) {
 #endif
     bool has_shadow_ray = b.xyz != vec3(0.0);
     p.travelled = has_shadow_ray ? 0.0 : a.x;
+#if HAS_SEE_THROUGH
+    p.kept = has_shadow_ray ? 0.0 : a.y;
+#endif
     int counters = unpack_counters(radiance.w);
     p.depth = counters >> (STEP_BITS + LEFT_BITS);
     p.steps = counters >> LEFT_BITS & ((1 << STEP_BITS) - 1);

@@ -18,7 +18,12 @@ void write_path(Path p, float status) {
     if (status == IN_FLIGHT) o_origin.w += p.facing;
 #endif
     o_direction = vec4(p.direction, p.pdf);
-    o_shadow_origin = vec4(has_shadow_ray ? p.shadow_origin : vec3(p.travelled, 0.0, 0.0), p.contribution.r);
+#if HAS_SEE_THROUGH
+    vec3 in_place = vec3(p.travelled, p.kept, 0.0);
+#else
+    vec3 in_place = vec3(p.travelled, 0.0, 0.0);
+#endif
+    o_shadow_origin = vec4(has_shadow_ray ? p.shadow_origin : in_place, p.contribution.r);
     o_shadow_vector = vec4(p.shadow_vector, p.contribution.g);
     o_throughput = vec4(p.throughput, p.contribution.b);
     o_radiance = vec4(p.radiance, pack_counters(p.depth, p.steps, p.left));

@@ -48,7 +48,7 @@ _OVER_PICTURES: dict[str, dict[str, tuple[float, ...]]] = {
 }
 """The values of the switches of each pass that one triangle draws."""
 _SKY = dict.fromkeys(("HAS_FOG", "HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED", "HAS_GRIDS",
-                      "HAS_LIGHT_TREE", "DISPERSIVE", "ENVIRONMENT_ROTATED", "SAMPLING", "RAYS"), 0)
+                      "HAS_LIGHT_TREE", "HAS_SEE_THROUGH", "DISPERSIVE", "ENVIRONMENT_ROTATED", "SAMPLING", "RAYS"), 0)
 """Switches of what resolves pixels without triangles: such pixels see none of these."""
 
 

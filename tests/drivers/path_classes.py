@@ -55,7 +55,7 @@ def shaded(context: Context) -> tuple[np.ndarray, np.ndarray]:
 
 def _shaded(context: Context, programs: Programs, wavefront: Wavefront, number: int, first_hits: int) -> np.ndarray:
     names = ("HAS_TRANSMISSION", "HAS_VOLUME", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED", "HAS_AIRLIGHT", "HAS_GRIDS",
-             "HAS_FOG", "HAS_CURVES", "HAS_LIGHT_TREE", "DISPERSIVE", "SAMPLING")
+             "HAS_FOG", "HAS_CURVES", "HAS_LIGHT_TREE", "HAS_SEE_THROUGH", "DISPERSIVE", "SAMPLING")
     switches = dict.fromkeys(names, 0)
     switches["FIRST_HITS"] = first_hits
     classify = programs.get("trace/path_class.vert", "trace/classify.frag", shader_defines(switches))

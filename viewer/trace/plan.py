@@ -126,7 +126,8 @@ def plan_trace(
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     kinds |= {FIBRE} if geometry.curves is not None else set()
     state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch, "SORTED")}
+                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", "HAS_SEE_THROUGH",
+                                               DISPERSION.switch, "SORTED")}
     first, chooses = state | {"RAYS": rays}, {"CHOOSES_PIXELS": int(settings.is_adaptive)}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -168,8 +169,8 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
     light = {"PHOTONS": 1, "HAS_CLEARANCE": 0, "SORTED": 0}  # photons are connected at every collision
     switches, classes = {**switches, "SORTED": 0}, {**classes, "SORTED": 0}
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch,
-                                               "LIGHT_RADIUS")}
+                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", "HAS_SEE_THROUGH",
+                                               DISPERSION.switch, "LIGHT_RADIUS")}
     shading = {name: Program.of(program.fragment, dict(program.switches) | light)
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
