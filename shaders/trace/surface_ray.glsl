@@ -9,16 +9,32 @@ uniform sampler2D u_ray_point;            // on the surface; w: 1, or 0 beyond t
 uniform sampler2D u_ray_normal;           // shading normal
 uniform sampler2D u_ray_normal_geometric; // geometric normal, on the side of the shading normal
 
+struct RayPoint {
+    vec3 position;
+    vec3 n, n_geometric;
+};
+
 // Returns false beyond the end of the list.
-bool surface_ray(ivec2 pixel, vec2 u, out vec3 o, out vec3 d) {
+bool ray_point(ivec2 pixel, out RayPoint at) {
     vec4 point = texelFetch(u_ray_point, pixel, 0);
-    vec3 n = texelFetch(u_ray_normal, pixel, 0).xyz, n_geometric = texelFetch(u_ray_normal_geometric, pixel, 0).xyz;
-    o = offset_origin(point.xyz, n_geometric);
-#if RAYS == 1
-    d = orthonormal_basis(n) * sample_cosine_hemisphere(u);
-    d = normalize(d - 2.0 * min(dot(d, n_geometric), 0.0) * n_geometric); // mirrored if it would enter the surface
-#else
-    d = -n;
-#endif
+    at = RayPoint(point.xyz, texelFetch(u_ray_normal, pixel, 0).xyz, texelFetch(u_ray_normal_geometric, pixel, 0).xyz);
     return point.w != 0.0;
+}
+
+#if RAYS == 1
+// The density by solid angle of a direction from surface_ray, which leaves the surface
+float surface_ray_pdf(RayPoint at, vec3 d) {
+    vec3 mirrored = d - 2.0 * dot(d, at.n_geometric) * at.n_geometric;
+    return (max(dot(at.n, d), 0.0) + max(dot(at.n, mirrored), 0.0)) * INV_PI;
+}
+#endif
+
+void surface_ray(RayPoint at, vec2 u, out vec3 o, out vec3 d) {
+    o = offset_origin(at.position, at.n_geometric);
+#if RAYS == 1
+    d = orthonormal_basis(at.n) * sample_cosine_hemisphere(u);
+    d = normalize(d - 2.0 * min(dot(d, at.n_geometric), 0.0) * at.n_geometric); // mirrored if it would enter
+#else
+    d = -at.n;
+#endif
 }

@@ -25,6 +25,20 @@ def test_a_coarse_mesh_has_short_edges_and_the_same_surface():
     assert np.allclose(fine.colors, np.stack([(1 + x) / 2, (1 + y) / 2, 0 * x, 1 + 0 * x], axis=1), atol=1e-6)
     assert (fine.normals == [0, 0, 1]).all() and (fine.tangents == [1, 0, 0, 1]).all()
     assert len(np.unique(fine.positions, axis=0)) == len(fine.positions)
+    pairs = np.sort(np.stack([triangles_of(fine), np.roll(triangles_of(fine), -1, axis=1)], axis=2), axis=2)
+    pairs, count = np.unique(pairs.reshape(-1, 2), axis=0, return_counts=True)
+    borders = fine.positions[pairs[count == 1], :2]
+    assert (np.abs(borders).min(axis=1) == 1).any(axis=1).all(), "an edge ends within another"
+    assert count.max() == 2
+
+
+def test_only_long_edges_are_divided():
+    strip = replace(plate(), positions=plate().positions * np.float32([50, 1, 1]))
+    model = scene((strip, moved((0, 0, 0))), sphere(segments=96))
+    fine = refined(model).meshes[0]
+    corners = fine.positions[triangles_of(fine)]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert edges.max() <= LONGEST * model.radius < 2 * edges.max(axis=1).min() and fine.triangle_count < 1024
 
 
 def test_scenes_share_what_is_divided():

@@ -13,6 +13,7 @@ from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATT
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
 from .kinds import BOUNDARY, FIBRE, GLASS, KINDS, WOVEN, Kind
+from .paths.surface_rays import FROM_SURFACE
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry
 from .scene.photons import Photons
@@ -129,6 +130,9 @@ def plan_trace(
                                                "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", "HAS_SEE_THROUGH",
                                                DISPERSION.switch, "SORTED")}
     first, chooses = state | {"RAYS": rays}, {"CHOOSES_PIXELS": int(settings.is_adaptive)}
+    generate, begins = "trace/generate.frag", first
+    if rays == FROM_SURFACE and switches["HAS_EMITTERS"]:
+        generate, begins = "trace/generate_lit.frag", switches | first
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
     classes = state | {name: switches[name] for name in ("HAS_VOLUME", "HAS_AIRLIGHT", "HAS_CURVES", "SAMPLING")}
@@ -137,11 +141,11 @@ def plan_trace(
             "begin sums": Program.of("trace/begin_sums.frag", state | chooses | {"BACKGROUND": switches["BACKGROUND"]}),
             } if has_sky else {}),
         "zero": Program.of("trace/zero.frag", {}),
-        "begin": Program.of("trace/generate.frag", first | chooses | {"BEGINS": 1, "HAS_SKY": int(has_sky)}),
+        "begin": Program.of(generate, begins | chooses | {"BEGINS": 1, "HAS_SKY": int(has_sky)}),
         **({"track": Program.of("trace/track.frag", classes)} if switches["HAS_GRIDS"] else {}),
         "classify": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 0}),
         "finish": Program.of("trace/finish.frag", first | sky),
-        "generate": Program.of("trace/generate.frag", first | {"BEGINS": 0, "HAS_SKY": 0, "CHOOSES_PIXELS": 0}),
+        "generate": Program.of(generate, begins | {"BEGINS": 0, "HAS_SKY": 0, "CHOOSES_PIXELS": 0}),
         **{kind.name: Program.of(kind.file, switches | _switches_of(kind, settings, geometry))
            for kind in KINDS if kind in kinds},
         **{name: Program.of(f"trace/{name}.frag", switches) for name, switch in _MEDIA.items() if switches[switch]},
