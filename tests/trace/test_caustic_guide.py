@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from harness import evaluate
@@ -10,6 +12,8 @@ from test_light_sampling import FLOOR, place, scene_of
 from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.plan.bsdf_switches import bsdf_switches
 from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
+from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
@@ -20,7 +24,9 @@ from viewer.trace.scene.caustic_guide import CausticGuide, caster_table, place_o
 from viewer.trace.scene.caustic_rays import casters_of, caustic_rays
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.lights import SceneLights
+from viewer.trace.scene.scene_buffer import SceneBufferBuilder
 from viewer.trace.scene.scene_data import SceneData
+from viewer.trace.scene.traced_scene import plan_without_device
 from viewer.trace.tracer import Tracer
 
 pytest.importorskip("embreex", reason="Embree finds the light of the guide")
@@ -154,6 +160,56 @@ def test_extremes_are_finite(guided) -> None:
     share = found[:, 1, 0]
     assert (share[:1000] == 0).all() and (share[1500:2000] > 0).any() and (share[-1500:] == 0).all()
     assert (found[share > 0, 0, 3] > 0).all()
+
+
+def guide_of(scene: Scene, previous: CausticGuide | None = None, geometry=None) -> CausticGuide:
+    geometry = trace_geometry(scene) if geometry is None else geometry
+    buffer = SceneBufferBuilder()
+    return CausticGuide(scene, geometry, buffer, SceneLights(None, scene, geometry, buffer, Settings()),
+                        previous=previous)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_tables_are_finite_at_any_scale(scale) -> None:
+    """A ball that touches the floor, and a lamp of a great radiance"""
+    scene = with_ball(METAL, FLOOR, (replace(LAMP, emissive=(1e5, 1e5, 1e5)), ABOVE))
+    *others, ball = scene.instances
+    touching = ball.transform.copy()
+    touching[1, 3] = -1 + RADIUS
+    scene = replace(scene, instances=tuple(
+        replace(instance, transform=np.diag([scale, scale, scale, 1.0]) @ instance.transform)
+        for instance in (*others, replace(ball, transform=touching))))
+    guide = guide_of(scene)
+    assert guide.count == 1
+    for table in guide.tables:
+        assert np.isfinite(table.weights).all() and (table.weights >= 0).all()
+        assert np.isfinite(table.shares).all() and 0 < table.shares.max() <= caustic_guide.MOST_SHARE
+
+
+def test_photons_are_traced_again_only_for_other_light(monkeypatch) -> None:
+    scene = with_ball(METAL, FLOOR, (LAMP, ABOVE))
+    geometry = trace_geometry(scene)
+    first = guide_of(scene, geometry=geometry)
+    traced = []
+    monkeypatch.setattr(caustic_guide, "caustic_rays", lambda *of: traced.append(of) or caustic_rays(*of))
+    lamp = Light("point", position=(0.0, 0.5, 0.0), intensity=10.0)
+    with_lamp = guide_of(replace(scene, lights=(lamp,)), first, geometry)
+    assert with_lamp.count == 1 and not traced
+    sky = Environment("sky", np.ones((2, 4, 3), np.float32))
+    guide_of(replace(scene, environment=sky), with_lamp, geometry)
+    assert len(traced) == 1
+    guide_of(scene, first)  # of a geometry that was made again
+    assert len(traced) == 2
+
+
+def test_a_plan_traces_no_photons(monkeypatch) -> None:
+    monkeypatch.setattr(caustic_guide, "caustic_rays", None)
+    line = "a guide to the lamps that smooth bodies may show rough surfaces"
+    floor, lamp = FLOOR, (LAMP, ABOVE)
+    for material, placed, may in ((METAL, (floor, lamp), True), (METAL, (floor,), False),
+                                  (Material("plastic", metallic=0.0), (floor, lamp), False)):
+        plan = plan_without_device(with_ball(material, *placed), Settings(mode="path"))
+        assert (line in plan.used) == may and any(left.startswith(line) for left in plan.left_out) != may
 
 
 @pytest.mark.parametrize("material", [Material("rough metal", metallic=1.0, perceptual_roughness=0.8),

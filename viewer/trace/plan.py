@@ -285,5 +285,5 @@ _SURFACES = {
     "HAS_FOG": "fog",
     "HAS_CURVES": "fibres",
     "HAS_DROPLETS": "droplets",
-    "HAS_CAUSTIC_GUIDE": "a guide to the lamps that smooth bodies show rough surfaces",
+    "HAS_CAUSTIC_GUIDE": "a guide to the lamps that smooth bodies may show rough surfaces",
 }

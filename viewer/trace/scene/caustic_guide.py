@@ -12,10 +12,12 @@ the tables say.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.environment import Environment
 from ...scene.scene import Scene
 from ..layout import GUIDE_CELLS, GUIDE_PLACES
 from ..rays.intersect import Intersector
@@ -42,14 +44,18 @@ _COPIES = 4
 class CausticGuide:
     """Adds the sections `guide_casters`, `guide_places` and `guide_cells` to `buffer` if smooth bodies throw light on
     rough surfaces. `count` is the number of these casters, `uniforms` and `switches` are those of the shader.
+    `previous` is the guide before this one: what it found is kept if it was of the same bodies and the same light.
 
     The triangles are those of `intersector`, if it is Embree's. Where Embree is not installed there is no guide. Raises
     InputError for an environment that cannot be decoded.
     """
 
     def __init__(self, scene: Scene, geometry: TraceGeometry, buffer: SceneBufferBuilder, lights: SceneLights,
-                 intersector: Intersector | None = None) -> None:
-        tables = _tables(scene, geometry, lights, intersector)
+                 intersector: Intersector | None = None, previous: CausticGuide | None = None) -> None:
+        self._geometry, self._environment, (_, self._emitted) = geometry, _environment(scene, lights), lights.emitters
+        tables = (previous.tables if previous is not None and self._is_as(previous)
+                  else _tables(scene, geometry, lights, intersector))
+        self.tables: list[Table] = tables
         self.count = len(tables)
         self.uniforms: dict[str, object] = {"u_guide_count": self.count}
         self.switches = {"HAS_CAUSTIC_GUIDE": int(self.count > 0)}
@@ -68,6 +74,21 @@ class CausticGuide:
         buffer.add("guide_places", places.reshape(-1, 4))
         buffer.add("guide_cells", np.concatenate(cells))
 
+    def _is_as(self, other: CausticGuide) -> bool:
+        """Whether both are of the same bodies and the same light, so that photons would find the same."""
+        return (self._geometry is other._geometry and self._environment is other._environment
+                and np.array_equal(self._emitted, other._emitted))
+
+
+def may_guide(scene: Scene, geometry: TraceGeometry, lights: SceneLights) -> bool:
+    """Whether photons would look for a guide: by materials, sizes and lights alone, so that it takes no time."""
+    is_lit = _environment(scene, lights) is not None or bool(lights.emitters[1].any())
+    return is_lit and find_spec("embreex") is not None and bool(casters_of(geometry, _LARGEST, 1))
+
+
+def _environment(scene: Scene, lights: SceneLights) -> Environment | None:
+    return scene.environment if lights.switches["HAS_ENVIRONMENT"] else None
+
 
 @dataclass(frozen=True, eq=False)
 class Table:
@@ -82,7 +103,7 @@ class Table:
 def _tables(scene: Scene, geometry: TraceGeometry, lights: SceneLights, intersector: Intersector | None,
             ) -> list[Table]:
     emitters, emitted = lights.emitters
-    environment = scene.environment if lights.switches["HAS_ENVIRONMENT"] else None
+    environment = _environment(scene, lights)
     casters = casters_of(geometry, _LARGEST, _CANDIDATES)
     if not casters or (environment is None and not emitted.any()):
         return []

@@ -19,7 +19,7 @@ from ...scene.yarn.spun import spun
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
-from .caustic_guide import CausticGuide
+from .caustic_guide import CausticGuide, may_guide
 from .curves import trace_curves
 from .encode import geometry_switches
 from .geometry import trace_geometry
@@ -48,7 +48,7 @@ class TracedScene:
         self._weave = WeaveBinding(context.gl)
         self._take_volumes(scene)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
-        self._set_lights(scene, settings, None)
+        self._set_lights(scene, settings, None, None)
 
     def holds(self, scene: Scene) -> bool:
         """Whether these are the triangles and materials of that scene. Its lights may differ."""
@@ -72,13 +72,13 @@ class TracedScene:
         if scene.volumes != self._scene.volumes:
             self._take_volumes(scene)
         self.intersector.move(geometry)
-        self._set_lights(scene, settings, self._lights)
+        self._set_lights(scene, settings, self._lights, self._guide)
         return True
 
     def relight(self, scene: Scene, settings: Settings) -> None:
         """Take the lights of a scene for which `holds` is true."""
         if _light_key(scene, settings) != self._light_key:
-            self._set_lights(scene, settings, self._lights)
+            self._set_lights(scene, settings, self._lights, self._guide)
         self._scene = scene
 
     def _take_volumes(self, scene: Scene) -> None:
@@ -86,16 +86,18 @@ class TracedScene:
             self._grids.release()
         self._grids = VolumeGrids(self._context.gl, scene) if scene.volumes else None
 
-    def _set_lights(self, scene: Scene, settings: Settings, previous: SceneLights | None) -> None:
+    def _set_lights(self, scene: Scene, settings: Settings, lights: SceneLights | None,
+                    guide: CausticGuide | None) -> None:
+        """`lights` and `guide` are those before."""
         buffer = self._data.buffer.copy()
-        self._lights = SceneLights(self._context, scene, self.geometry, buffer, settings, previous)
+        self._lights = SceneLights(self._context, scene, self.geometry, buffer, settings, lights)
         if self._grids is not None:
             buffer.add("volumes", self._grids.records(scene, volume_medium(settings)))
         if self.geometry.curves is not None:
             for name, texels in self.geometry.curves.texels(settings).items():
                 buffer.add(name, texels)
         self.photons = Photons(scene, self.geometry, buffer, settings, self._lights.lit)
-        self._guide = CausticGuide(scene, self.geometry, buffer, self._lights, self.intersector)
+        self._guide = CausticGuide(scene, self.geometry, buffer, self._lights, self.intersector, guide)
         self._data.upload(buffer)
         self._data.show_specular(bool(bsdf_switches(settings)["SHOW_SPECULAR"]))
         self._scene, self._droplets = scene, _droplets(scene, settings)
@@ -181,15 +183,16 @@ def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
 
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
-    """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
+    """The plan of a picture without layers; it needs no context. A guide to caustics is planned where there may be one,
+    since no photons look for it. Raises InputError as `SceneLights` does."""
     scene = spun(woven(scene, settings), settings)
     geometry = with_priorities(trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene)))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
     buffer = SceneBufferBuilder()
     lights = SceneLights(None, scene, geometry, buffer, settings)
     photons = Photons(scene, geometry, buffer, settings, lights.lit)
-    guide = CausticGuide(scene, geometry, buffer, lights)
-    switches |= lights.switches | guide.switches | _droplets(scene, settings)
+    switches |= lights.switches | _droplets(scene, settings)
+    switches["HAS_CAUSTIC_GUIDE"] = int(may_guide(scene, geometry, lights))
     return plan_trace(scene, settings, geometry, switches,
                       has_layers=settings.denoise != "off", left_out=lights.left_out, photons=photons,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")
