@@ -11,7 +11,7 @@ from contextlib import nullcontext
 import pytest
 from needs import needs
 
-from viewer.base.signals import Stopped, breakable, postponed, stoppable, unbroken
+from viewer.base.signals import Stopped, postponed, stoppable, unbroken
 
 
 @pytest.mark.parametrize("name, status, text", [
@@ -63,23 +63,6 @@ def test_in_a_block_that_may_not_be_broken_a_signal_waits_for_its_end():
             threading.Event().wait(0.01)
             ended = True
         assert ended
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-@pytest.mark.parametrize("comes_before", [True, False])
-def test_within_a_block_that_may_not_be_broken_one_may(comes_before):
-    passed = []
-    with pytest.raises(Stopped), stoppable(), unbroken():
-        if comes_before:
-            os.kill(os.getpid(), signal.SIGINT)
-            threading.Event().wait(0.01)
-            passed.append("kept")
-        with breakable():
-            passed.append("breakable")
-            os.kill(os.getpid(), signal.SIGINT)
-            threading.Event().wait(5)
-            passed.append("never")
-    assert passed == (["kept"] if comes_before else ["breakable"])
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 

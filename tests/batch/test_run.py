@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
-import threading
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Self
@@ -18,8 +16,6 @@ from viewer.batch.engines import WorkerLost
 from viewer.batch.manifest import Manifest
 from viewer.batch.run import Attempt, Batch, Run, render_all
 from viewer.batch.work import Done
-from viewer.cli import main
-from viewer.image.image import Image
 from viewer.jobs.render_job import RenderJob, RenderTask
 
 
@@ -76,25 +72,6 @@ def test_what_is_done_while_ctrl_c_ends_the_others_has_a_line(folder, monkeypatc
         render_all(tasks, RenderJob({"quiet": False}), Batch(folder=Path(), jobs=2))
     assert [json.loads(line)["out"] for line in Path("manifest.jsonl").read_text().splitlines()] == ["0.png"]
     assert "1 of 3 models are rendered" in capsys.readouterr().err
-
-
-def test_a_signal_after_a_picture_waits_for_its_line(folder, monkeypatch):
-    """It comes when the picture is written; the next one is not begun."""
-    for name in ("a.obj", "b.obj"):
-        Path(name).write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    save = Image.save
-
-    def save_and_be_terminated(self: Image, path: Path) -> None:
-        save(self, path)
-        os.kill(os.getpid(), signal.SIGTERM)
-        threading.Event().wait(0.01)
-
-    monkeypatch.setattr(Image, "save", save_and_be_terminated)
-    with pytest.raises(SystemExit) as ended:
-        main(["render", "a.obj", "b.obj", "-o", "out/", "--size", "16", "--quality", "draft"])
-    assert ended.value.code == 128 + signal.SIGTERM
-    line, = map(json.loads, Path("out/manifest.jsonl").read_text().splitlines())
-    assert (line["out"], line["status"]) == ("a.png", "done") and not Path("out/b.png").exists()
 
 
 def test_a_manifest_is_told_of_only_if_there_is_one(tmp_path, capsys):

@@ -104,42 +104,16 @@ def sent_again() -> Iterator[None]:
 def unbroken() -> Iterator[None]:
     """In the block no signal raises an exception; one that came is handled at its end.
 
-    For what belongs together, and for calls of C code that itself calls Python, does not check whether that raised, and
-    then crashes.
+    For calls of C code that itself calls Python, does not check whether that raised, and then crashes.
     """
-    kept = _Kept({number: handler for number in _stop_signals() if callable(handler := signal.getsignal(number))})
+    came: list[int] = []
+    before = {number: handler for number in _stop_signals() if callable(handler := signal.getsignal(number))}
     try:
-        with _handlers(dict.fromkeys(kept.before, kept)):
+        with _handlers(dict.fromkeys(before, lambda number, frame: came.append(number))):
             yield
     finally:
-        kept.handle()
-
-
-@contextmanager
-def breakable() -> Iterator[None]:
-    """In the block, within one of `unbroken`, signals are handled at once again, and first one that came before it.
-    Elsewhere it changes nothing."""
-    kept = next((handler for number in _stop_signals() if isinstance(handler := signal.getsignal(number), _Kept)), None)
-    with _handlers({} if kept is None else kept.before):
-        if kept is not None:
-            kept.handle()
-        yield
-
-
-class _Kept:
-    """Handles signals by keeping them, until `handle` has the first handled as it would have been `before`."""
-
-    def __init__(self, before: Mapping[int, Callable[..., object]]) -> None:
-        self.before = before
-        self._came: list[int] = []
-
-    def __call__(self, number: int, frame: object) -> None:
-        self._came.append(number)
-
-    def handle(self) -> None:
-        came, self._came = self._came, []
         for number in came[:1]:
-            self.before[number](number, None)
+            before[number](number, None)
 
 
 class _Stop:
@@ -161,7 +135,7 @@ def _stop_signals() -> list[int]:
 
 
 @contextmanager
-def _handlers(handlers: Mapping[int, Callable[..., object]]) -> Iterator[None]:
+def _handlers(handlers: Mapping[int, Callable[[int, object], None]]) -> Iterator[None]:
     """Signals are handled so in the block. Only the main thread may set handlers; another's block changes nothing."""
     before: dict[int, Any] = {number: signal.getsignal(number) for number in handlers}
     with suppress(ValueError):

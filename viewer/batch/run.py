@@ -17,7 +17,7 @@ import numpy as np
 from ..base.atomic import remove_leftovers, write_json
 from ..base.messages import say
 from ..base.progress import Progress
-from ..base.signals import Stopped, breakable, unbroken
+from ..base.signals import Stopped
 from ..errors import InputError, OutputError
 from ..jobs.assemble import make_environment
 from ..jobs.camera_output import write_camera_files
@@ -182,19 +182,15 @@ class Run:
         """Do them all, unless a signal ends one early. If they `are_parts` of one picture, a failure is the end."""
         waiting, running = deque(attempts), self._running
         while self.stopped is None and (waiting or running) and not (are_parts and self._has_failed):
-            with unbroken():  # a picture that is written and its line
-                while waiting and len(running) < engine.room:
-                    attempt = waiting.popleft()
-                    with breakable():
-                        key = self._key(attempt.task)  # of the files before they are read: they may change meanwhile
-                    running[engine.submit(attempt.task)] = attempt, key
-                with breakable():
-                    done = wait(running, return_when=FIRST_COMPLETED).done
-                for future in done:
-                    attempt, key = running.pop(future)
-                    waiting.extend(self._note(attempt, key, future))
-                    if not isinstance(engine, Here):  # which shows what it does now
-                        progress.done(len(self.records), Path(attempt.task.model).name)
+            while waiting and len(running) < engine.room:
+                attempt = waiting.popleft()
+                key = self._key(attempt.task)  # of the files before they are read, in case that they change meanwhile
+                running[engine.submit(attempt.task)] = attempt, key
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                attempt, key = running.pop(future)
+                waiting.extend(self._note(attempt, key, future))
+                if not isinstance(engine, Here):  # which shows what it does now
+                    progress.done(len(self.records), Path(attempt.task.model).name)
 
     def gather(self, engine: Engine) -> None:
         """Take the samples of the parts that a signal has found in the making, as far as they are traced."""

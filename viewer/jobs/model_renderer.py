@@ -13,7 +13,7 @@ from ..base.atomic import made_folders
 from ..base.memory import memory_mb
 from ..base.messages import say
 from ..base.progress import Progress
-from ..base.signals import Stopped, breakable, postponed
+from ..base.signals import Stopped, postponed
 from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import write_film
 from ..image.image import Image
@@ -83,8 +83,7 @@ class ModelRenderer:
 
         A model that cannot be rendered is told of, but raises nothing. A signal to stop during path tracing ends the
         picture with its samples so far, and one during a film with the frames so far (`stopped`). At other times it
-        raises Stopped; within a block of `unbroken` not from the writing of a picture on. Raises ContextError and
-        UsageError, which concern all models.
+        raises Stopped. Raises ContextError and UsageError, which concern all models.
         """
         self.may_pass = False
         self._maker.forget()
@@ -92,9 +91,8 @@ class ModelRenderer:
         start = time.perf_counter()
         records: list[Record] = []
         with self._told(task.model, task.picture(), records):
-            with breakable():
-                scene = make_scene(task.model, self._environment, self._job.options)
-                film = make_film(task.model, task.picture(), scene, self._job.options)
+            scene = make_scene(task.model, self._environment, self._job.options)
+            film = make_film(task.model, task.picture(), scene, self._job.options)
             self._warn(task.model, scene)
             if film is not None:
                 records.append(self._film(task, scene, film, start, progress))
@@ -132,8 +130,7 @@ class ModelRenderer:
         progress.say(f"{path.name}: rendering")
         self._request.size = view.size
         self._choose_quality(scene, view.size)
-        with breakable():
-            image = maker.make(scene, view.camera, path, progress)
+        image = maker.make(scene, view.camera, path, progress)
         of_camera = [] if self._job.chooses else camera_warnings(scene, self._settings, view.camera)
         self._warn_after(task.model, scene, known, of_camera)
         rendered = time.perf_counter()
@@ -160,8 +157,7 @@ class ModelRenderer:
         for number, view in enumerate(views):
             progress.part(number / len(views), f"{path.name}: view {number + 1} of {len(views)}")
             self._request.size = view.size
-            with breakable():
-                cells.append((view.title, self._maker.make(scene, view.camera, path, progress).srgb))
+            cells.append((view.title, self._maker.make(scene, view.camera, path, progress).srgb))
             if self.stopped is not None:
                 break
         self._warn_after(task.model, scene, known, [])
@@ -181,7 +177,7 @@ class ModelRenderer:
         path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
         progress.say(f"{path.name}: rendering")
         self._choose_quality(scene, self._request.size)  # one for all frames
-        with breakable(), postponed() as request:
+        with postponed() as request:
             count = write_film(path, self._frames(scene, film, path, progress), film.fps)
         self._maker.stopped = self._maker.stopped or request.number
         self._warn_after(task.model, scene, known, [])
@@ -223,8 +219,7 @@ class ModelRenderer:
             return ""
         assert isinstance(maker, RasterMaker)  # options refuse it for others
         try:
-            with breakable():
-                maker.tell_error(scene, camera, path, progress)
+            maker.tell_error(scene, camera, path, progress)
         except (ViewerError, MemoryError) as problem:
             text = f"{path} is written, but how far it is from the truth is not known: {_words(problem)}"
             self._tell(f"pbr-viewer: {text}")
