@@ -69,7 +69,7 @@ MUTATIONS = [
     Mutation("no shadow", "light/shadow.glsl", "return smoothed_shadow(tile.texel.zw + texel, c.z);", "return 1.0;"),
     Mutation("cube faces swapped", "light/shadow.glsl", "return d.y > 0.0 ? 2 : 3;", "return d.y > 0.0 ? 3 : 2;"),
     Mutation("nothing hides the environment", "raster/arriving_light.glsl", "around *= visible.rgb;", ""),
-    Mutation("lights fall off with 1/d", "light/attenuation.glsl", "/ max(d2, 1e-8);", "/ sqrt(max(d2, 1e-8));"),
+    Mutation("lights fall off with 1/d", "light/attenuation.glsl", "/ max(d2, least);", "/ sqrt(max(d2, least));"),
     Mutation("spot's cone not squared", "light/attenuation.glsl", "return a * a;", "return a;"),
     Mutation("range ignored", "light/attenuation.glsl", "clamp(1.0 - x * x, 0.0, 1.0)", "1.0"),
     Mutation("occlusion ignored (PBR)", "raster/arriving_light.glsl", "around *= occlusion;",

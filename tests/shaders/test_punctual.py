@@ -15,12 +15,12 @@ def test_inverse_square_and_its_window(evaluate):
     d = np.concatenate([np.geomspace(1e-3, 1e3, 300)] * 2)
     inv_range = np.repeat([0.0, 1 / 3.0], 300)
     inputs = np.stack([d**2, inv_range**2, d, d], axis=-1)
-    found = evaluate("light/punctual", "vec4(distance_attenuation(i.x, i.y))", inputs, defines=DEFINES)[:, 0]
+    found = evaluate("light/punctual", "vec4(distance_attenuation(i.x, i.y, 1e-8))", inputs, defines=DEFINES)[:, 0]
     expected = np.clip(1 - (d * inv_range) ** 4, 0, 1) / d**2
     assert np.abs(found - expected).max() <= 1e-5 * expected.max()
     assert np.allclose(found, expected, rtol=1e-5, atol=1e-6)
     assert (found[(d > 3) & (inv_range > 0)] == 0).all()
-    touching = evaluate("light/punctual", "vec4(distance_attenuation(0.0, 0.0))", inputs[:1], defines=DEFINES)
+    touching = evaluate("light/punctual", "vec4(distance_attenuation(0.0, 0.0, 1e-8))", inputs[:1], defines=DEFINES)
     assert np.isfinite(touching).all()
 
 

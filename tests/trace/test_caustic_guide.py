@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from harness import evaluate
+from needs import needs
 from test_light_sampling import FLOOR, place, scene_of
 
 from viewer.measure.check.chi_squared import critical_value, statistic
@@ -29,7 +30,7 @@ from viewer.trace.scene.scene_data import SceneData
 from viewer.trace.scene.traced_scene import plan_without_device
 from viewer.trace.tracer import Tracer
 
-pytest.importorskip("embreex", reason="Embree finds the light of the guide")
+pytestmark = needs("embree")
 METAL = Material("metal", metallic=1.0, perceptual_roughness=0.1)
 LAMP = Material("lamp", emissive=(60.0, 60.0, 60.0))
 ABOVE = place(-0.5, 1.0, 0.0, (0.2, 1.0, 0.2), np.pi)  # shines down

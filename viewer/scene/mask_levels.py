@@ -38,8 +38,11 @@ class MaskMap:
     def levels(self, pixels: np.ndarray, srgb: bool) -> list[np.ndarray]:
         """`pixels`, (H, W, 2 or 4) as `mip_levels` takes them, and all smaller levels. The first has the alpha that it
         had. Where nothing stands, colours are those of the next smaller level."""
+        share = standing_share(pixels[..., -1], self.cutoff, self.interpolates)
+        if (share[pixels[..., -1] == 0] > 0).any():  # a part of what stands has a colour that is hidden, mostly black
+            pixels = without_hidden(mip_levels(pixels, srgb, covers=True))[0]
         standing = pixels.copy()
-        standing[..., -1] = standing_share(pixels[..., -1], self.cutoff, self.interpolates)
+        standing[..., -1] = share
         return without_hidden([pixels, *mip_levels(standing, srgb, covers=True)[1:]])
 
 
