@@ -1,13 +1,15 @@
 // The light sample of a surface: one of several candidates, chosen in proportion to what each of them brings if nothing
 // hides its light (resampled importance sampling: Talbot, Cline & Egbert 2005, "Importance Resampling for Global
 // Illumination"). It stands for their mean, so that only shadows are as noisy as with a single one. Each candidate has
-// the density of sample_light; they need not be independent, and are opposite in the square of u.
+// the density of sample_light; they need not be independent, and are opposite in the square of u. Beside one sample of
+// the BSDF they weigh as many as they are (the balance heuristic has n p of each technique), so that the
+// densities of the BSDF are divided by `count`.
 #include "sample/luminance.glsl"
 
 struct SurfaceLight {
     LightSample light;
     vec3 f_cos; // the BSDF times the cosine, for as many candidates as the sample stands for
-    float pdf;  // with which BSDF sampling would choose the direction
+    float pdf;  // with which BSDF sampling would choose the direction, over `count`
     float side; // of the surface, 0: there is no sample
 };
 
@@ -23,6 +25,7 @@ SurfaceLight sample_light_at(Interaction i, Bsdf bsdf, mat3 frame, vec3 wo, vec3
         float side = side_of(i, light.direction, wi.z);
         if (side == 0.0 || light.pdf <= 0.0) continue;
         vec4 f = bsdf_eval_pdf(bsdf, wo, wi);
+        f.w /= float(count);
         float brings = luminance(f.rgb * light.radiance) * weight_of(light, f.w) / light.pdf;
         sum += brings;
         if (count > 1 && u.w * sum >= brings) continue;

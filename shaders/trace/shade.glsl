@@ -166,6 +166,9 @@ void main() {
 #endif
     p.medium = medium_at(p, i, m, side);
     float pdf = (b.flags & DELTA) != 0u ? 0.0 : b.pdf;
+#if HAS_LIGHTS
+    pdf /= float(candidates); // as sample_light_at weighs them
+#endif
     // The throughput of long paths must not grow: those in media and between faces of white glass are long.
     float most = HAS_SCATTERING == 1 || HAS_NESTED == 1 ? 1.0 : 0.95;
     continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w, most,

@@ -43,6 +43,8 @@ MUTATIONS = [
     Mutation("light candidates chosen by halves", "trace/light_candidates.glsl", "u.w * sum >= brings", "u.w >= 0.5"),
     Mutation("light candidates weighed by the light's density alone", "trace/light_candidates.glsl",
              "SurfaceLight(light, f.rgb, f.w, side)", "SurfaceLight(light, f.rgb, light.pdf, side)"),
+    Mutation("a sample of the BSDF weighs as beside one light candidate", "trace/shade.glsl",
+             "pdf /= float(candidates);", ""),
     Mutation("emitter's density without its cosine", "trace/lights.glsl", "float facing = area * cos_light;",
              "float facing = area;"),
     Mutation("roulette without compensation", "trace/bounce.glsl", "p.throughput /= survival;", ""),
