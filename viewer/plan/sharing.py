@@ -82,9 +82,22 @@ def include_everything(plan: Plan, scene: Scene) -> Plan:
     draws = tuple(_with_switches(draw, _all_on(draw.program, common)) for draw in plan.draws)
     ground = plan.ground and Program.of(plan.ground.fragment, {
         name: common.get(name, value) for name, value in plan.ground.switches})
-    return replace(plan, draws=draws, ground=ground, lights=tuple(lights), shadow_layers=tuple(layers),
-                   shadow_layer_count=layer_count, environment=True, reflections=True, ambient=True, dfg=True,
-                   is_everything=True)
+    media, curves = plan.media, plan.curves
+    if media is not None:
+        media = replace(media, march=_with_counts(media.march, common), bake=_with_counts(media.bake, common),
+                        glow=media.glow and _with_counts(media.glow, common),
+                        depth=media.depth and _with_counts(media.depth, common))
+    if curves is not None:
+        curves = replace(curves, shade=tuple(_with_counts(program, common) for program in curves.shade))
+    return replace(plan, draws=draws, ground=ground, media=media, curves=curves, lights=tuple(lights),
+                   shadow_layers=tuple(layers), shadow_layer_count=layer_count, environment=True, reflections=True,
+                   ambient=True, dfg=True, is_everything=True)
+
+
+def _with_counts(program: Program, counts: Mapping[str, int]) -> Program:
+    """A program that stays as it is but for black lights among those that it has, so that it finds the others."""
+    names = ("LIGHT_COUNT", "DIRECTIONAL_COUNT", "POINT_COUNT") if program["LIGHT_COUNT"] else ()
+    return Program.of(program.fragment, dict(program.switches) | {name: counts[name] for name in names})
 
 
 def share_programs(draws: Sequence[Draw], always: bool = False) -> tuple[Draw, ...]:

@@ -14,7 +14,7 @@ from ..plan.media import SLICE_COUNT, SLICES
 from ..plan.model import Program
 from ..scene.frame import Frame
 from .gbuffer import nearest_texture
-from .units import UNIT_RADIANCE
+from .units import UNIT_CARRIED
 
 _FRAMEBUFFER, _COLOR_ATTACHMENT = 0x8D40, 0x8CE0
 
@@ -38,7 +38,7 @@ class MediaSlices:
         """Fill all slices. `ends` is where each starts, and where the last one ends, in eye-relative units."""
         program = programs.get("display/fullscreen.vert", planned.fragment, dict(planned.switches))
         uniforms = uniforms | {"u_ray": matrix_uniform(frame.ray), "u_ray_origin": matrix_uniform(frame.ray_origin),
-                               "u_carried": UNIT_RADIANCE}
+                               "u_carried": UNIT_CARRIED}
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         for binding, name in enumerate(("Lights", "Shadows")):
@@ -49,7 +49,7 @@ class MediaSlices:
             self._framebuffers[k % 2].use()
             for slice_ in range(SLICES):
                 self._attach(_FRAMEBUFFER, _COLOR_ATTACHMENT + slice_, self.texture.glo, 0, first + slice_)
-            self._carried[1 - k % 2].use(UNIT_RADIANCE)
+            self._carried[1 - k % 2].use(UNIT_CARRIED)
             set_uniform(program, "u_is_first", k == 0)
             set_uniform(program, "u_ends", np.float32(ends[first:first + SLICES + 1]).tobytes())
             fullscreen(self._gl, program).render(vertices=3)
