@@ -6,13 +6,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from needs import needs
-from shapes import lopsided
+from shapes import WHITE, constant, facing_floor, lopsided, plate, scene, sphere
 
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.scene.camera import Camera
+from viewer.scene.material import Material
 from viewer.settings import Settings
 from viewer.trace.layout import NO_KIND, TILE
+from viewer.trace.paths import wavefront_maker
 from viewer.trace.paths.arrangement import Arrangement
 from viewer.trace.paths.run import run
 from viewer.trace.rays.embree import EmbreeIntersector
@@ -21,26 +23,33 @@ from viewer.trace.tracer import Tracer
 
 pytestmark = needs("embree")
 GRID = 2, 3
-COUNT = GRID[0] * GRID[1] * TILE**2
+LAMP = Material(emissive=(9.0, 9.0, 9.0), double_sided=True)
 
 
+@pytest.mark.parametrize("height", [48, 24, 16])
 @pytest.mark.parametrize("seed", range(4))
-def test_each_path_keeps_its_home(context, seed):
-    """Paths of blocks that begin, are sorted and end, followed by the home that each has in a column of its own."""
+def test_each_path_keeps_its_home(context, seed, height):
+    """Paths of blocks that begin, perhaps at few of their homes, are sorted and end, followed by the home that each has
+    in a column of its own. There are places for all homes, or for few."""
     context.make_current()
     rng = np.random.default_rng(seed)
-    arrangement = Arrangement(context.gl, GRID, finds_places=False)
-    width = GRID[0] * TILE
-    block_of = np.empty(COUNT, int)
+    arrangement = Arrangement(context.gl, GRID, height, finds_places=False)
+    width, homes = GRID[0] * TILE, GRID[0] * GRID[1] * TILE**2
+    block_of = np.empty(homes, int)
     block_of[arrangement.homes_of] = np.arange(GRID[0] * GRID[1])[:, None]
-    path = np.full(COUNT, -1)  # the home of the path in each texel, -1: idle
+    path = np.full(width * height, -1)  # the home of the path in each texel, -1: idle
     for _ in range(30):
-        blocks = np.flatnonzero(~arrangement.alive)[:arrangement.room][:rng.integers(0, 4)]
+        blocks = np.flatnonzero(~arrangement.alive)[:rng.integers(0, 4)]
+        chosen = rng.random((len(blocks), TILE**2)) < rng.choice([0.01, 0.3, 1], (len(blocks), 1))
+        fits = chosen.sum(axis=1).cumsum() <= arrangement.room
+        blocks, chosen = blocks[fits], chosen[fits]
         if len(blocks):
-            row, rows = arrangement.begin(blocks)
-            begun = arrangement.homes(row, rows)
-            assert (path[row * width:] == -1).all() and np.isin(arrangement.homes_of[blocks], begun).all()
-            path[row * width:(row + rows) * width] = begun
+            row, rows = arrangement.begin(blocks, None if chosen.all() else chosen)
+            begun, wanted = arrangement.homes(row, rows), arrangement.homes_of[blocks][chosen]
+            assert (path[row * width:] == -1).all() and np.isin(wanted, begun).all()
+            assert np.isin(begun, arrangement.homes_of[blocks]).all(), "no path of another block begins again"
+            assert len(begun) < len(wanted) + width
+            path[row * width:(row + rows) * width] = np.where(np.isin(begun, wanted), begun, -1)
         shown = path[:arrangement.rows * width]
         alive = shown >= 0
         assert (shown[alive] == arrangement.homes(0, arrangement.rows)[alive]).all()
@@ -58,7 +67,7 @@ def test_each_path_keeps_its_home(context, seed):
         arrangement.find_alive()
         assert (np.flatnonzero(arrangement.alive) == blocks_alive).all()
         assert (path[arrangement.rows * width:] == -1).all()
-        assert (np.sort(arrangement.homes(0, GRID[1] * TILE)) == np.arange(COUNT)).all()
+        assert len(np.unique(arrangement.homes(0, height))) == width * height
     arrangement.release()
 
 
@@ -79,6 +88,45 @@ def test_pictures_are_those_of_paths_that_never_move(context, monkeypatch, layer
         path_render.release()
         tracer.release()
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(*pictures, strict=True))
+
+
+@pytest.mark.parametrize("layers", [(), ("albedo",)])
+def test_adaptive_samples_all_come_home(context, monkeypatch, layers):
+    """Pixels have the samples that the schedule gave them, each once. With more homes than places the picture is the
+    same, but for the order in which blocks are added, and takes fewer iterations."""
+    monkeypatch.setattr(wavefront_maker, "SOFTWARE_SIDE", 4)
+    model = scene(sphere(segments=32), (plate(1), facing_floor(0.1, y=1.4)), materials=[WHITE, LAMP],
+                  environment=constant(0.1))
+    camera = Camera.framing(model.center, model.radius, 1.0)
+    tracer, films, iterations = Tracer(context, intersector="embree"), [], []
+    for more in (1, 2):
+        monkeypatch.setattr(wavefront_maker, "MORE_HOMES", more)
+        path_render = tracer.begin(model, camera, Settings.of(mode="path", spp=64, error=1e-5), (56, 40), layers)
+        given: dict[tuple[int, ...], list[int]] = {}
+        next_work = path_render._schedule.next
+
+        def spied(count, is_last, next_work=next_work, given=given):
+            work = next_work(count, is_last)
+            for item in work:
+                for y, x in np.argwhere(np.ones((TILE, TILE)) if item.pixels is None else item.pixels):
+                    pixel = given.setdefault((item.tile_y * TILE + y, item.tile_x * TILE + x), [])
+                    pixel += range(item.first, item.first + item.samples)
+            return work
+
+        path_render._schedule.next = spied
+        run(path_render, 0.0)
+        count = path_render.film.read_sums()[0][::-1, :, 3]
+        for (y, x), numbers in given.items():
+            assert sorted(numbers) == list(range(len(numbers)))
+            assert y >= 40 or x >= 56 or count[y, x] == len(numbers)
+        assert count.sum() == 64 * 56 * 40 and count.max() > 2 * count.min()
+        assert path_render.bad_samples == 0
+        films.append(path_render.film.read())
+        iterations.append(sum(traced.iterations for traced in path_render._wavefronts))
+        path_render.release()
+    tracer.release()
+    np.testing.assert_allclose(films[1], films[0], rtol=1e-5, atol=1e-5)
+    assert iterations[1] == iterations[0] if layers else iterations[1] < 0.9 * iterations[0]
 
 
 def test_a_graphics_card_with_embree_keeps_all_samples(context, monkeypatch):

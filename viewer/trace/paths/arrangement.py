@@ -19,8 +19,9 @@ UNITS = {"u_source": 24, "u_home": 25, "u_place": 26}
 
 
 class Arrangement:
-    """Of a wavefront of `grid` (columns, rows) blocks of TILE x TILE paths. The columns divide TILE, so that the paths
-    of a block fill whole rows: those that begin are drawn by rows.
+    """Of a wavefront of `grid` (columns, rows) blocks of TILE x TILE homes, of which as many as `height` rows of texels
+    hold can have a path at once. The columns divide TILE, so that the paths of a block fill whole rows: those that
+    begin are drawn by rows.
 
     A path keeps its home: the texel of its block and pixel, where its sums are. Its place in the present state is
     another texel. Texels are numbered row by row. `rows` is the number of rows of the present state whose paths may not
@@ -29,11 +30,11 @@ class Arrangement:
     its path comes, and `u_place`, with `finds_places`, for each home the place of its path, or -1.
     """
 
-    def __init__(self, gl: moderngl.Context, grid: tuple[int, int], finds_places: bool) -> None:
+    def __init__(self, gl: moderngl.Context, grid: tuple[int, int], height: int, finds_places: bool) -> None:
         columns, rows = grid
-        assert TILE % columns == 0
-        self._size = columns * TILE, rows * TILE
-        numbers = np.arange(self._size[0] * self._size[1])
+        assert TILE % columns == 0 and height <= rows * TILE and not (finds_places and height < rows * TILE)
+        self._size = columns * TILE, height
+        numbers = np.arange(columns * rows * TILE**2)
         x, y = numbers % self._size[0], numbers // self._size[0]
         self._texels = (y << 16 | x).astype(np.int32)  # as the shader reads them
         self._block = y // TILE * columns + x // TILE  # of each home
@@ -42,7 +43,7 @@ class Arrangement:
         self._textures = {name: gl.texture(self._size, 1, dtype="i4") for name in UNITS}
         for texture in self._textures.values():
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        self._home, self._finds_places = numbers, finds_places
+        self._home, self._finds_places = numbers, finds_places  # of each texel, and behind them those without any
         self._next: NDArray[np.intp] = numbers[:0]
         self._used = self.rows = self.next_rows = 0
         self._is_shown = False
@@ -98,23 +99,28 @@ class Arrangement:
 
     @property
     def room(self) -> int:
-        """How many blocks whose paths are idle can begin behind those that were not when they were sorted."""
-        return (len(self._home) - self._row_after(self._used) * self._size[0]) // TILE**2
+        """How many paths can begin behind those that were not idle when they were sorted, in whole rows."""
+        return (self._size[1] - self._row_after(self._used)) * self._size[0]
 
     def _row_after(self, texels: int) -> int:
         return -(-texels // self._size[0])
 
-    def begin(self, blocks: NDArray[np.intp]) -> tuple[int, int]:
-        """Give places in whole rows to the paths of blocks that have none; returns the first row and their number."""
-        row, count = self._row_after(self._used), len(blocks) * TILE**2
+    def begin(self, blocks: NDArray[np.intp], chosen: NDArray[np.bool_] | None = None) -> tuple[int, int]:
+        """Give places in whole rows to the paths of blocks that have none; returns the first row and their number. If
+        homes are `chosen`, (blocks, TILE^2), only those have a path, and others of these blocks fill the last row."""
+        homes = self.homes_of[blocks].ravel()
+        if chosen is not None:
+            count = self._row_after(np.count_nonzero(chosen)) * self._size[0]
+            homes = homes[np.argsort(~chosen.ravel(), kind="stable")[:count]]
+        row, count = self._row_after(self._used), len(homes)
         first, rows = row * self._size[0], count // self._size[0]
         home, begun = self._home, np.zeros(len(self._home), bool)
-        begun[self.homes_of[blocks]] = True
+        begun[homes] = True
         elsewhere = np.flatnonzero(begun[home])
         elsewhere = elsewhere[(elsewhere < first) | (elsewhere >= first + count)]
         there = home[first:first + count]
         home[elsewhere] = there[~begun[there]]
-        home[first:first + count] = self.homes_of[blocks].ravel()
+        home[first:first + count] = homes
         self.rows = max(self.rows, row + rows)
         self._is_shown = False
         return row, rows

@@ -13,17 +13,18 @@ from .arrangement import Arrangement
 
 class Gathered:
     """The pass `finish` draws into `finished` what each path that has ended adds to the sums of its home, where it
-    goes in the next state, and 0 where none has ended. `read` takes that, `add` adds it up in memory, and `textures`
-    has the sums of blocks that were `show`n."""
+    goes in the next state, of this `size`, and 0 where none has ended. `read` takes that, `add` adds it up in memory,
+    and `textures` has the sums of all homes of blocks that were `show`n."""
 
     def __init__(self, gl: moderngl.Context, arrangement: Arrangement, size: tuple[int, int],
                  count: int, depth: moderngl.Renderbuffer) -> None:
         self._arrangement, self._size = arrangement, size
-        self.textures = [float_target(gl, size) for _ in range(count)]
+        homes = arrangement.homes_of.size
+        self.textures = [float_target(gl, (size[0], homes // size[0])) for _ in range(count)]
         self._drawn = [float_target(gl, size) for _ in range(count)]
         self.finished = gl.framebuffer(self._drawn, depth)
         self.finished.depth_mask = False
-        self._sums = np.zeros((count, size[0] * size[1], 4), np.float32)
+        self._sums = np.zeros((count, homes, 4), np.float32)
         self._rows = 0, 0
         self._read: tuple[NDArray[np.intp], NDArray[np.float32]] | None = None
 

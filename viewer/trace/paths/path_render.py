@@ -196,11 +196,13 @@ class PathRender:
         wanted: list[Work] = []
         for _ in range(REFILLS):
             is_last = not wanted and not any(traced.is_busy for traced in self._wavefronts)
-            missing = room - len(wanted)
+            missing = min(len(free) - len(wanted), room // TILE**2)
             work = self._schedule.next(missing, is_last) if missing else []
             if not work:
                 break
-            wanted += self._without_sky(work)
+            begun = self._without_sky(work)
+            wanted += begun
+            room -= sum(item.paths for item in begun)
         if wanted:
             wanted.sort()  # by tiles: paths side by side then read the same triangles and texels, which caches keep
             blocks = free[: len(wanted)]

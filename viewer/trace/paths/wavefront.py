@@ -46,6 +46,11 @@ class Work(NamedTuple):
     samples: int
     pixels: NDArray[np.bool_] | None = None
 
+    @property
+    def paths(self) -> int:
+        """How many paths it takes at once, at most."""
+        return TILE**2 if self.pixels is None else int(np.count_nonzero(self.pixels))
+
 
 class Sums:
     """Float textures that collect sums by blending."""
@@ -64,7 +69,8 @@ class Sums:
 
 
 class Wavefront:
-    """`columns` x `rows` blocks of TILE x TILE paths.
+    """`columns` x `rows` blocks of TILE x TILE paths. If it is sorted, there can be `more_homes` times as many
+    blocks, of which those have few paths whose work is for few pixels of its tile.
 
     There are two states. The textures of the present one are attributes, by their names in `STATE`. Passes read them
     and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, with `has_along`, `along`
@@ -85,12 +91,13 @@ class Wavefront:
 
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
                  has_along: bool = False, has_grids: bool = False, sees_backs: bool = False,
-                 is_sorted: bool = False, chooses: bool = False) -> None:
+                 is_sorted: bool = False, chooses: bool = False, more_homes: int = 1) -> None:
         gl = self._gl = context.gl
-        self.grid = columns, rows
+        self.grid = columns, rows * more_homes
         self.sees_backs = sees_backs
-        self.arrangement = Arrangement(gl, self.grid, has_layers) if is_sorted else None
         self.size = columns * TILE, rows * TILE
+        homes = columns * TILE, rows * TILE * more_homes
+        self.arrangement = Arrangement(gl, self.grid, self.size[1], has_layers) if is_sorted else None
         depth = float_depth_renderbuffer(context, self.size)
         self.classes = gl.framebuffer(depth_attachment=depth)
         self._states = [[float_target(gl, self.size) for _ in STATE[: 6 + has_medium]] for _ in range(2)]
@@ -108,20 +115,21 @@ class Wavefront:
         self._work_items = gl.texture(self.grid, 4, dtype="i4")
         for texture in (self.hit, self._work_items):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        self._block_numbers = gl.buffer(reserve=4 * columns * rows)
+        blocks = columns * rows * more_homes
+        self._block_numbers = gl.buffer(reserve=4 * blocks)
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
         self.alive = gl.framebuffer([gl.texture(self.grid, 1)])
-        self.sums = Sums(gl, self.size, SUMS, depth)
+        self.sums = Sums(gl, homes, SUMS, None if is_sorted else depth)
         self.layers = Sums(gl, self.size, LAYERS, depth) if has_layers else None
         self.gathered: Gathered | None = None
         if self.arrangement is not None:
             self.gathered = Gathered(gl, self.arrangement, self.size, SUMS, depth)
         self.begun_rows = 0, 0
         """The first row, and the number of rows, of a sorted wavefront that have the paths of work assigned last."""
-        self.work = np.zeros((columns * rows, 4), np.int32)
-        self.is_busy = np.zeros(columns * rows, bool)
-        self.chosen = np.ones((columns * rows, TILE, TILE), bool) if chooses else None
-        self._chosen = gl.texture(self.size, 1, alignment=1) if chooses else None
+        self.work = np.zeros((blocks, 4), np.int32)
+        self.is_busy = np.zeros(blocks, bool)
+        self.chosen = np.ones((blocks, TILE, TILE), bool) if chooses else None
+        self._chosen = gl.texture(homes, 1, alignment=1) if chooses else None
         if self._chosen is not None:
             self._chosen.filter = moderngl.NEAREST, moderngl.NEAREST
 
@@ -163,8 +171,8 @@ class Wavefront:
 
     @property
     def room(self) -> int:
-        """How many blocks can be given work."""
-        free = int(np.count_nonzero(~self.is_busy))
+        """How many paths can begin, in blocks that have no work."""
+        free = int(np.count_nonzero(~self.is_busy)) * TILE**2
         return free if self.arrangement is None else min(free, self.arrangement.room)
 
     @property
@@ -188,8 +196,6 @@ class Wavefront:
 
     def assign(self, blocks: np.ndarray, work: Sequence[Work]) -> None:
         """Give a work item to each of the blocks with these numbers."""
-        if self.arrangement is not None:
-            self.begun_rows = self.arrangement.begin(blocks)
         self.work[blocks] = np.asarray([item[:4] for item in work], np.int32).reshape(-1, 4)
         self.is_busy[blocks] = True
         self._work_items.write(self.work)
@@ -199,6 +205,9 @@ class Wavefront:
             columns, rows = self.grid
             texels = self.chosen.reshape(rows, columns, TILE, TILE).swapaxes(1, 2)
             self._chosen.write((texels * np.uint8(255)).tobytes())
+        if self.arrangement is not None:
+            chosen = None if self.chosen is None else self.chosen[blocks].reshape(len(blocks), -1)
+            self.begun_rows = self.arrangement.begin(blocks, chosen)
 
     def bind(self) -> None:
         """Bind the present state, the hits and the work items to the units in `UNITS`."""

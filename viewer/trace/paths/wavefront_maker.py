@@ -14,6 +14,9 @@ SMALL_SIDE = 8
 """The same for software OpenGL in two cases. In scenes with scattering some paths have hundreds of collisions, and in a
 smaller wavefront fewer texels wait for them, and what is read and drawn stays in the caches. In an interactive view
 input waits for a round of the wavefronts, which takes a quarter of the time then, with slightly fewer rays a second."""
+MORE_HOMES = 2
+"""How many times as many blocks as others a sorted wavefront has if work items may be for few pixels of their tiles, so
+that their paths fill it. Layers are drawn over all homes, and with them it has no more."""
 DEVICE_CHECK_INTERVAL = 4
 """Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
 
@@ -32,4 +35,5 @@ class WavefrontMaker:
              chooses: bool = False) -> Wavefront:
         plan = self._plan
         return Wavefront(self._context, self._columns, self._rows, plan.has_transmission, has_layers,
-                         plan.has_along, plan.has_grids, sees_backs, is_sorted, chooses)
+                         plan.has_along, plan.has_grids, sees_backs, is_sorted, chooses,
+                         MORE_HOMES if is_sorted and chooses and not has_layers else 1)
