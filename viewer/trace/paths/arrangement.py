@@ -110,7 +110,7 @@ class Arrangement:
         homes are `chosen`, (blocks, TILE^2), only those have a path, and others of these blocks fill the last row."""
         homes = self.homes_of[blocks].ravel()
         if chosen is not None:
-            count = self._row_after(np.count_nonzero(chosen)) * self._size[0]
+            count = self._row_after(int(np.count_nonzero(chosen))) * self._size[0]
             homes = homes[np.argsort(~chosen.ravel(), kind="stable")[:count]]
         row, count = self._row_after(self._used), len(homes)
         first, rows = row * self._size[0], count // self._size[0]
