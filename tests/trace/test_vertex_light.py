@@ -66,16 +66,32 @@ def test_a_shining_plate_lights_the_one_below_by_its_form_factor(context: Contex
     np.testing.assert_array_equal(found[:, :1].repeat(2, axis=1), found[:, 1:3])
 
 
-def test_a_small_lamp_needs_few_paths(context: Context) -> None:
-    """A plate of a 400th of the one below, which at most one in a hundred paths hits: these alone find none of it."""
+def small_lamp() -> Scene:
+    """A plate of a 400th of the one below."""
     model = plates(0.5, 1.0)
     below, above = model.instances
     shrunk = replace(above, transform=above.transform @ np.diag([0.05, 0.05, 1.0, 1.0]))
-    model = replace(model, instances=(below, shrunk))
+    return replace(model, instances=(below, shrunk))
+
+
+def test_a_small_lamp_needs_few_paths(context: Context) -> None:
+    """At most one in a hundred paths hits it: these alone find none of it."""
+    model = small_lamp()
     found = bake_incoming(context, model, SETTINGS, samples=1 << 14).per_instance[0].astype(np.float64)
     distance2 = 0.25 + (model.meshes[0].positions[:, :2].astype(np.float64) ** 2).sum(axis=1)
     expected = 0.0025 * 0.25 / (np.pi * distance2**2)
     assert np.sqrt((((found[:, 0] - expected) / expected) ** 2).mean()) < 0.06
+
+
+def test_a_lamp_shines_through_its_coat(context: Context) -> None:
+    """A smooth coat keeps what it would reflect (Schlick): the same paths find that much less."""
+    bare = small_lamp()
+    white, shining = bare.materials
+    coated = replace(bare, materials=(white, replace(shining, clearcoat=1.0)))
+    light = [bake_incoming(context, model, SETTINGS, samples=1 << 14).per_instance[0][:, 0] for model in (bare, coated)]
+    cosine = 0.5 / np.sqrt(0.25 + (bare.meshes[0].positions[:, :2] ** 2).sum(axis=1))
+    kept = 0.04 + 0.96 * (1 - cosine) ** 5
+    assert np.abs(light[1] / light[0] - (1 - kept)).max() < 0.01
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])

@@ -4,6 +4,7 @@
 //   f cos = f_coat (n_coat.i) + (1 - E(o)) * f cos of what lies below
 // E is the directional albedo of the coat. It depends on the viewer's direction alone, as in the extension. So a white
 // stack reflects all light whatever lies below, even where the two normals differ; in return it is not reciprocal.
+#include "bsdf/bsdf.glsl"
 #include "bsdf/half_vector.glsl"
 #include "bsdf/layer/dielectric.glsl"
 #include "light/dfg.glsl"
