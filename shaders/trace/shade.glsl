@@ -172,7 +172,7 @@ void main() {
     // The throughput of long paths must not grow: those in media and between faces of white glass are long.
     float most = HAS_SCATTERING == 1 || HAS_NESTED == 1 ? 1.0 : 0.95;
     continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w, most,
-                                       worth_of(bsdf, b));
+                                     worth_of(bsdf, b));
 #if HAS_SCATTERING
     if (is_within && p.depth > 2) { // what a scattering medium keeps in is no reflection that `bounces` counts
         --p.depth;

@@ -86,7 +86,7 @@ class MediaLight:
             past_meshes += [drawn[7], drawn[3]]
         if plan.glow is not None:
             past_meshes.append(_glow(self._draw(programs, plan.glow, outputs, SIDE, uniforms, grids[-1]), grids[-1],
-                                          uniforms["u_volume_emission"]))
+                                     uniforms["u_volume_emission"]))
         self.texture.write(np.stack([*layers, *past_meshes]))
         middle = slice(SIDE // 2 - 1, SIDE // 2 + 1)
         self._middle = np.stack(layers[:3])[:, middle, middle, middle].mean(axis=(1, 2, 3), dtype=np.float64)
