@@ -9,6 +9,7 @@ from command_line import SCENES
 from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
 
 from viewer.plan.first_picture import LIGHTS, TIMES, FirstPicture
+from viewer.plan.instances import INSTANCED_FROM
 from viewer.raster.visibility import MOST_POINTS
 from viewer.scene.curves import Curves
 from viewer.scene.environment_files import load_environment
@@ -38,7 +39,7 @@ def foreseen(room: Scene, size: tuple[int, int] = SIZE) -> FirstPicture:
 def test_it_takes_standard_with_the_most_lights_that_are_foreseen_in_time():
     assert list(LIGHTS) == sorted(LIGHTS, reverse=True)
     taken = set()
-    for room in (balls(1), balls(1, 2048), balls(400), balls(3, segments=200), balls(3, 2048, 200)):
+    for room in (balls(1), balls(1, 2048), balls(400), balls(2000), balls(3, 2048, 200)):
         first = foreseen(room)
         fitting = [lights for lights in LIGHTS if first.standard(lights) <= TIMES * first.draft]
         assert 0 < first.draft < first.standard(0) < first.standard(LIGHTS[-1]) < first.standard(LIGHTS[0])
@@ -65,7 +66,7 @@ def test_triangles_instances_and_strands_are_drawn_into_every_map():
     room = balls(1, 2048)
     assert foreseen(room).lights == LIGHTS[0]
     triangles = [balls(1, 2048, segments) for segments in (200, 600)]
-    instances = [balls(count, 2048) for count in (100, 400)]
+    instances = [balls(count, 2048) for count in (400, 3000)]
     for some, many in (triangles, instances):
         assert (foreseen(some).lights, foreseen(many).lights) == (LIGHTS[-1], 0)
     points = np.zeros((400_000, 3))
@@ -73,8 +74,22 @@ def test_triangles_instances_and_strands_are_drawn_into_every_map():
     assert foreseen(replace(room, curves=(hair,))).lights == 0
 
 
+def test_many_parts_take_longer_than_as_many_instances_that_one_call_draws():
+    parts = balls(400)
+    floor, ball = parts.instances[:2]
+    instances = replace(parts, instances=(floor, *[replace(part, mesh=ball.mesh) for part in parts.instances[1:]]))
+    blended = replace(instances, materials=(replace(WHITE, alpha_mode="blend"),))  # sorted, and drawn one by one
+    quick = foreseen(instances)
+    for slow in (foreseen(parts), foreseen(blended)):
+        assert slow.draft > quick.draft and slow.light > quick.light
+        assert slow.unshadowed - slow.draft > quick.unshadowed - quick.draft
+    few, many = (replace(instances, instances=instances.instances[:1 + count])
+                 for count in (INSTANCED_FROM - 1, INSTANCED_FROM))
+    assert foreseen(few).draft > foreseen(many).draft
+
+
 def test_without_an_environment_or_surfaces_there_are_no_shadows_to_wait_for():
-    slow = balls(400)
+    slow = balls(2000)
     assert foreseen(slow).lights == 0
     for quick in (replace(slow, environment=None), Scene("empty", environment=constant())):
         assert foreseen(quick).lights == LIGHTS[0] and foreseen(quick).light == 0
