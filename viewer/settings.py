@@ -206,7 +206,7 @@ class Settings:
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "deferred-4", "ssaa-4", "ssaa-9", "ssaa-16"] = (
         _option("auto", "samples per pixel, which are shaded once for each triangle (msaa), for at most two surfaces "
                 "(deferred), or each (ssaa); auto: msaa-4, and where the CPU renders deferred-4 from 512x512 pixels "
-                "on, but none while the camera moves, and ssaa-4 for curves and woven cloth"))
+                "on, but none while the camera moves, and ssaa-4 for curves, woven cloth and indirect=baked"))
     plan: Literal["needed", "everything"] = _option(
         "needed", "everything: compile and upload also what is not needed, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option(

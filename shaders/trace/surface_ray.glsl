@@ -1,13 +1,12 @@
-// First rays from a list of surface points instead of a camera, one texel each (viewer/trace/paths/surface_rays.py).
+// First rays from a list of surface points instead of a camera, three texels each (viewer/trace/paths/surface_rays.py).
 // RAYS: 1 for rays from the surface into the hemisphere, with a density in proportion to the cosine; 2 for rays to the
 // surface, from just above it against its normal
 #include "sample/hemisphere.glsl"
 #include "sample/orthonormal_basis.glsl"
 #include "trace/offset_origin.glsl"
 
-uniform sampler2D u_ray_point;            // on the surface; w: 1, or 0 beyond the end of the list
-uniform sampler2D u_ray_normal;           // shading normal
-uniform sampler2D u_ray_normal_geometric; // geometric normal, on the side of the shading normal
+// The point on the surface with w 1, or 0 beyond the end of the list; shading normal; geometric normal on its side
+uniform sampler2D u_surface_rays;
 
 struct RayPoint {
     vec3 position;
@@ -16,8 +15,10 @@ struct RayPoint {
 
 // Returns false beyond the end of the list.
 bool ray_point(ivec2 pixel, out RayPoint at) {
-    vec4 point = texelFetch(u_ray_point, pixel, 0);
-    at = RayPoint(point.xyz, texelFetch(u_ray_normal, pixel, 0).xyz, texelFetch(u_ray_normal_geometric, pixel, 0).xyz);
+    ivec2 first = ivec2(3 * pixel.x, pixel.y);
+    vec4 point = texelFetch(u_surface_rays, first, 0);
+    at = RayPoint(point.xyz, texelFetch(u_surface_rays, first + ivec2(1, 0), 0).xyz,
+                  texelFetch(u_surface_rays, first + ivec2(2, 0), 0).xyz);
     return point.w != 0.0;
 }
 

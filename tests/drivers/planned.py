@@ -83,9 +83,9 @@ def layer_keys(scene: Scene, settings: Settings, names: Collection[str], *,
             yield CURVE_VERTEX, program.fragment, tuple(sorted((dict(program.switches) | {"ROUND": part}).items()))
 
 
-def path_keys(scene: Scene, settings: Settings) -> Iterator[Key]:
-    """Of the passes over wavefronts of paths and photons, all but intersection."""
-    plan = plan_without_device(scene, settings)
+def path_keys(scene: Scene, settings: Settings, rays: int = 0) -> Iterator[Key]:
+    """Of the passes over wavefronts of paths, which begin with these rays, and photons, all but intersection."""
+    plan = plan_without_device(scene, settings, rays)
     for name, program in (*plan.programs.items(), *plan.photons.items()):
         defines = shader_defines(dict(program.switches))
         yield vertex_shader(name, plan.is_sorted), program.fragment, tuple(defines.items())

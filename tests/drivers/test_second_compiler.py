@@ -15,7 +15,7 @@ from glslang import GRANTED, as_330, as_400, problems
 from needs import CORPUS, needs, require
 from passes import intersections, passes
 from path_cases import CASES as PATH_CASES
-from planned import GREY, assembled, keys, layer_keys, raster_keys, under
+from planned import GREY, assembled, keys, layer_keys, path_keys, raster_keys, under
 
 import viewer
 from viewer.base.resources import resource_folder
@@ -28,6 +28,7 @@ from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.volume import Volume
 from viewer.settings import SURFACE_LAYERS, VALUES, Settings, setting_choices
+from viewer.trace.paths.surface_rays import FROM_SURFACE
 from viewer.trace.scene.curves import trace_curves
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.scene_data import geometry_switches
@@ -64,6 +65,8 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
     rich = [under(case.load()[0], GREY) for case in CASES if case.name in ("glass", "alpha", "anisotropy")]
     for scene in rich:
         wanted |= dict.fromkeys(raster_keys(scene, Settings.of(**_TRACED), half=False, orthographic=True))
+        lit = tuple(replace(material, emissive=(1.0, 1.0, 1.0), clearcoat=1.0) for material in scene.materials)
+        wanted |= dict.fromkeys(path_keys(replace(scene, materials=lit), Settings(mode="path"), FROM_SURFACE))
     for name, mode in product(_SHADED, MODES):
         for choice in setting_choices()[name]:
             settings = Settings.of(mode=mode, **{name: choice})

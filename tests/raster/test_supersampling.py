@@ -35,6 +35,15 @@ def test_what_is_found_for_each_pixel_is_found_between_them(renderer, setting):
     assert error < 0.1 * np.abs(small - bare)[..., :3].mean()
 
 
+def test_pictures_with_baked_light_are_supersampled_by_themselves(renderer):
+    stand = scene((sphere(), moved((0, 0.5, 0), 0.4)), (plate(1), facing_floor()), environment=lopsided(),
+                  materials=[WHITE, WHITE])
+    baked, shaded, plain = (renderer.render(stand, VIEW, Settings.of(**options), (24, 16)).linear for options in (
+        {"indirect": "baked"}, {"indirect": "baked", "antialias": "ssaa-4"},
+        {"indirect": "baked", "antialias": "msaa-4"}))
+    assert np.array_equal(baked, shaded) and not np.array_equal(baked, plain)
+
+
 def test_a_part_is_that_of_the_whole(renderer):
     settings = Settings.of(antialias="ssaa-4", background="none")
     whole = renderer.render(SCENE, VIEW, settings, (24, 16)).linear[::-1]

@@ -177,8 +177,9 @@ class Renderer:
         if still and settings.antialias == "auto" and self.context.is_software:
             # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them. Of woven
             # cloth it shades all places in a pixel for each triangle there; under supersampling points share them.
-            is_woven = settings.mode == "pbr" and any(material.weave is not None for material in scene.materials)
-            if draws_curves(scene, settings) or is_woven:
+            # Beside light that is baked for seconds, four shaded points a pixel cost little.
+            is_woven = any(material.weave is not None for material in scene.materials)
+            if draws_curves(scene, settings) or (settings.mode == "pbr" and (is_woven or settings.indirect == "baked")):
                 settings = replace(settings, antialias="ssaa-4")
         samples = settings.samples(self.context.is_software, still)
         target = self._sized_target(size, samples, half, settings.supersampling)

@@ -49,13 +49,14 @@ def _are_same(some: Sequence[Mesh], others: Sequence[Mesh]) -> bool:
 
 
 def _longest(scene: Scene) -> list[float]:
-    """What no edge of each mesh shall exceed."""
+    """What no edge of each mesh shall exceed: a power of two, so that few poses that change the radius change it."""
     scales = np.zeros(len(scene.meshes))
     for instance in scene.instances:
         scale = np.linalg.norm(instance.transform[:3, :3], axis=0).max()
         scales[instance.mesh] = max(scales[instance.mesh], scale)
-    return [LONGEST * scene.radius / scale if scale > 0 and mesh.normals is not None else np.inf
-            for mesh, scale in zip(scene.meshes, scales.tolist(), strict=True)]
+    wanted = [LONGEST * scene.radius / scale if scale > 0 and mesh.normals is not None else np.inf
+              for mesh, scale in zip(scene.meshes, scales.tolist(), strict=True)]
+    return np.exp2(np.floor(np.log2(wanted))).tolist()
 
 
 def _divided(mesh: Mesh, longest: float) -> Mesh:

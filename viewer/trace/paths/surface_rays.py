@@ -8,8 +8,8 @@ import numpy as np
 FROM_SURFACE, TO_SURFACE = 1, 2
 """Kinds of rays: from the surface into its hemisphere; or to the surface, from just above it."""
 _WIDTH = 1024
-UNITS = {"u_ray_point": 16, "u_ray_normal": 17, "u_ray_normal_geometric": 18}
-"""Texture units behind all those that a scene binds."""
+UNITS = {"u_surface_rays": 16}
+"""A texture unit behind all those that a scene binds. It is one, since passes have hardly one of 16 left."""
 
 
 class SurfaceRays:
@@ -23,23 +23,19 @@ class SurfaceRays:
                  geometric_normals: np.ndarray) -> None:
         self.kind, self.count = kind, len(points)
         self.size = min(len(points), _WIDTH), -(-len(points) // _WIDTH)
-        self._textures = {}
-        for name, rows in zip(UNITS, (points, normals, geometric_normals), strict=True):
-            texels = np.zeros((self.size[0] * self.size[1], 4), np.float32)
-            texels[:len(rows), :3], texels[:len(rows), 3] = rows, 1.0
-            texture = gl.texture(self.size, 4, texels, dtype="f4")
-            texture.filter = moderngl.NEAREST, moderngl.NEAREST
-            self._textures[name] = texture
+        texels = np.zeros((self.size[0] * self.size[1], 3, 4), np.float32)
+        texels[:self.count, :, :3] = np.stack([points, normals, geometric_normals], axis=1)
+        texels[:self.count, :, 3] = 1.0
+        self._texture = gl.texture((3 * self.size[0], self.size[1]), 4, texels, dtype="f4")
+        self._texture.filter = moderngl.NEAREST, moderngl.NEAREST
 
     def use_textures(self) -> None:
         """Bind the list to its units."""
-        for name, texture in self._textures.items():
-            texture.use(UNITS[name])
+        self._texture.use(UNITS["u_surface_rays"])
 
     def rows(self, pixels: np.ndarray) -> np.ndarray:
         """The pixel of each ray, (N, C), from a picture (H, W, C) whose row 0 is at the bottom."""
         return pixels.reshape(-1, pixels.shape[-1])[:self.count]
 
     def release(self) -> None:
-        for texture in self._textures.values():
-            texture.release()
+        self._texture.release()

@@ -182,9 +182,9 @@ def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
     return {"HAS_DROPLETS": int(volume.droplet_diameter > 0 or (fog is not None and fog.medium.droplet_diameter > 0))}
 
 
-def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
-    """The plan of a picture without layers; it needs no context. A guide to caustics is planned where there may be one,
-    since no photons look for it. Raises InputError as `SceneLights` does."""
+def plan_without_device(scene: Scene, settings: Settings, rays: int = 0) -> TracePlan:
+    """The plan of a picture without layers; it needs no context. `rays` are those of `plan_trace`. A guide to caustics
+    is planned where there may be one, since no photons look for it. Raises InputError as `SceneLights` does."""
     scene = spun(woven(scene, settings), settings)
     geometry = with_priorities(trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene)))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
@@ -194,5 +194,5 @@ def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     switches |= lights.switches | _droplets(scene, settings)
     switches["HAS_CAUSTIC_GUIDE"] = int(may_guide(scene, geometry, lights))
     return plan_trace(scene, settings, geometry, switches,
-                      has_layers=settings.denoise != "off", left_out=lights.left_out, photons=photons,
+                      has_layers=settings.denoise != "off", left_out=lights.left_out, rays=rays, photons=photons,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")
