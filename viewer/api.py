@@ -260,7 +260,7 @@ def shared_tracer(backend: str = "auto") -> Tracer:
     return tracers[backend]
 
 
-def shared_chooser(backend: str = "auto") -> Chooser:
+def shared_chooser(backend: str) -> Chooser:
     """This thread's maker of pictures with a time budget or an error to reach, for `backend`. Raises ContextError."""
     from .budget.chooser import Chooser
 

@@ -26,10 +26,6 @@ float free_distance(vec3 sigma_t, vec3 chances, float u) {
     return sigma_t[channel] > 0.0 ? minus_log_one_minus(u_channel) / sigma_t[channel] : 3e38;
 }
 
-float free_distance_pdf(vec3 sigma_t, vec3 chances, float distance) {
-    return dot(chances, sigma_t * exp(-sigma_t * distance));
-}
-
 // sigma_t exp(-sigma_t t) over the density: the weight of a path that collides at that distance, without the albedo
 vec3 collision_weight(vec3 sigma_t, vec3 chances, float distance) {
     vec3 f = sigma_t * scaled_transmittance(sigma_t, chances, distance);

@@ -15,7 +15,6 @@ from viewer.scene.material import Material, Texture
 
 CAMERA, SIZE = orthographic(0.5, 0.4, height=2.1), (48, 48)
 ROUGHNESS = (0.05, 0.2, 0.4, 0.7, 1.0)
-SWITCHES = {"SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1, "MULTISCATTER": 1}
 
 
 @pytest.mark.parametrize("roughness", ROUGHNESS)

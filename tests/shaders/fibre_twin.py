@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-LOBES = 4
 
 
 def log_bessel_i0(x):
@@ -16,7 +15,7 @@ def log_bessel_i0(x):
 
 
 def variances(beta_m):
-    """v of each lobe, Chiang et al., eq. 7 and section 4.1, (LOBES, ...)."""
+    """v of each lobe, Chiang et al., eq. 7 and section 4.1, (4, ...)."""
     v = (0.726 * beta_m + 0.812 * beta_m**2 + 3.7 * beta_m**20) ** 2
     return np.stack([v, v / 4, 4 * v, 4 * v])
 
@@ -55,7 +54,7 @@ def angles(w):
 
 
 def attenuation(m, h, theta_o):
-    """A of each lobe, (LOBES, ..., 3); and gamma_t."""
+    """A of each lobe, (4, ..., 3); and gamma_t."""
     inner = np.sqrt(m["eta"] ** 2 - np.sin(theta_o) ** 2)
     gamma_t = np.arcsin(h * np.cos(theta_o) / inner)
     cos_theta_t = np.sqrt(1 - (np.sin(theta_o) / m["eta"]) ** 2)
@@ -68,7 +67,7 @@ def attenuation(m, h, theta_o):
 
 
 def densities(m, h, wo, wi):
-    """M N of each lobe, (LOBES, ...)."""
+    """M N of each lobe, (4, ...)."""
     (theta_o, phi_o), (theta_i, phi_i) = angles(wo), angles(wi)
     gamma_t = attenuation(m, h, theta_o)[1]
     v, found = variances(m["beta_m"]), []

@@ -23,7 +23,6 @@ from viewer.trace.tracer import Tracer
 
 WHITE_HAIR = {"hair_absorption": (0.0, 0.0, 0.0), "bounces": 255}
 GLASS = Material(transmission=1.0, metallic=0.0, perceptual_roughness=0.0, ior=1.3)
-PARALLEL = orthographic(0.0, height=2.0)
 DENSE = {"hair_absorption": (1e4, 1e4, 1e4)}
 SMALL = (24, 24)
 

@@ -25,24 +25,24 @@ MIN_COSINE = 1e-4  # NoV at which the row for 0 is evaluated: the limit exists, 
 
 
 @lru_cache(maxsize=4)
-def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.ndarray:
-    """The DFG table, (4 size, size, 4) float32.
+def dfg_table(ndf: str = "ggx", masking: str = "smith") -> np.ndarray:
+    """The DFG table, (4 SIZE, SIZE, 4) float32.
 
     The first quarter has a, b, and the hemispherical means of a and b. The means 2 int a mu dmu and 2 int b mu dmu are
     those of the table as shaders read it; they are the same in all rows. The second quarter has the one lookup that is
     best alone, the others the two that are best together: t, the level of the prefiltered environment, and the weights
     in a and b. The direction is mix(n, r, t); what the weights lack to 1 is the weight of the irradiance at n.
 
-    Row j of each quarter is NoV = (j / (size-1))^2; column i is perceptual roughness i / (size-1). In texture
+    Row j of each quarter is NoV = (j / (SIZE-1))^2; column i is perceptual roughness i / (SIZE-1). In texture
     coordinates that is u = roughness and v = sqrt(NoV), each inset by half a texel (shaders/light/dfg.glsl). The
     default table is in the package's assets. Any other is computed (two seconds) and stored in the cache on disk.
     """
-    if (ndf, masking, size) == ("ggx", "smith", SIZE):
+    if (ndf, masking) == ("ggx", "smith"):
         table = np.load(resource_folder("assets") / "dfg_ggx_smith.npy", allow_pickle=False)
     else:
-        cache_key = key("dfg", ndf, masking, size)
+        cache_key = key("dfg", ndf, masking, SIZE)
         cached = load(cache_key)
-        table = cached["table"] if cached else compute_dfg_table(ndf, masking, size)
+        table = cached["table"] if cached else compute_dfg_table(ndf, masking, SIZE)
         if not cached:
             store(cache_key, {"table": table})
     table.flags.writeable = False

@@ -31,7 +31,7 @@ def traced_layers(names: Collection[str], scene: Scene, settings: Settings) -> t
 
 
 def with_layers(image: Image, renderer: Renderer, scene: Scene, camera: Camera, settings: Settings,
-                names: Collection[str], following: Following | None = None) -> Image:
+                names: Collection[str], following: Following | None) -> Image:
     """The picture with the layers `names` of `viewer.settings.LAYERS`, in their order. A traced picture has those of
     `traced_layers` already.
 

@@ -206,7 +206,7 @@ class PathGroups:
             self._render = None
 
 
-def trace_for(paths: PathGroups, seconds: float, wants_to_stop: Callable[[], bool] = lambda: False) -> None:
+def trace_for(paths: PathGroups, seconds: float, wants_to_stop: Callable[[], bool]) -> None:
     """Trace so many seconds, and in any case what an estimate needs."""
     while not is_over(paths, seconds) and not wants_to_stop():
         paths.step(SLICE_S, (seconds - paths.seconds) / paths.each if paths.each else math.inf)

@@ -31,17 +31,16 @@ def compile_program(
     *,
     vertex: str | Path,
     fragment: str | Path | None = None,
-    geometry: str | Path | None = None,
     defines: Mapping[str, float] | None = None,
     varyings: Sequence[str] = (),
     version: int = 330,
 ) -> moderngl.Program:
     """Compile and link shader files, each assembled with the same `defines` (see `viewer.gpu.source`).
 
-    `varyings` are the vertex (or geometry) shader's outputs to capture by transform feedback. Raises ShaderError with
+    `varyings` are the vertex shader's outputs to capture by transform feedback. Raises ShaderError with
     file and line, such as ``shaders/bsdf/ggx.glsl:12: ...``, if the driver rejects the program.
     """
-    stages = {"vertex": vertex, "fragment": fragment, "geometry": geometry}
+    stages = {"vertex": vertex, "fragment": fragment}
     sources = {stage: assemble(path, defines, version) for stage, path in stages.items() if path is not None}
     return compile_sources(context, sources, varyings)
 
@@ -49,7 +48,7 @@ def compile_program(
 def compile_sources(
     context: Context, sources: Mapping[str, ProgramSource], varyings: Sequence[str] = ()
 ) -> moderngl.Program:
-    """As `compile_program`, for assembled shaders; the keys are the stages vertex, geometry and fragment."""
+    """As `compile_program`, for assembled shaders; the keys are the stages vertex and fragment."""
     context.make_current()
     try:
         shaders: dict[str, Any] = {f"{stage}_shader": source.text for stage, source in sources.items()}

@@ -338,11 +338,11 @@ class ViewState:
         return [(mode, part) for mode, part in parts if part[2] > 0]
 
 
-def free_path(folder: Path, name: str, suffix: str = ".png") -> Path:
+def free_path(folder: Path, name: str) -> Path:
     """The first of `name-1.png`, `name-2.png`, ... that does not exist in `folder`. Characters that some file system
     does not allow become `_`."""
     stem = "".join(c if c.isalnum() or c in "-_. " else "_" for c in name).strip(" .") or "picture"
     number = 1
-    while (path := folder / f"{stem}-{number}{suffix}").exists():
+    while (path := folder / f"{stem}-{number}.png").exists():
         number += 1
     return path

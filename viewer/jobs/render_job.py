@@ -36,7 +36,7 @@ class RenderTask:
         """The file of the picture of the view `label`."""
         return _of_view(self.output, label)
 
-    def map_of_error(self, label: str = "") -> Path | None:
+    def map_of_error(self, label: str) -> Path | None:
         """The file of the map of that picture's error; None if there shall be none."""
         return None if self.error_map is None else _of_view(self.error_map, label)
 

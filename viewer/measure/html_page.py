@@ -19,6 +19,6 @@ _PAGE = """<!doctype html>
 """
 
 
-def html_page(title: str, body: str, style: str = "") -> str:
+def html_page(title: str, body: str, style: str) -> str:
     """A page of `body`, HTML; `title` is text, `style` CSS beside what all pages have."""
     return _PAGE.format(title=html.escape(title), style=_STYLE.read_text(encoding="utf-8") + style, body=body)

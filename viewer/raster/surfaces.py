@@ -200,7 +200,7 @@ class Surfaces:
         gl.front_face, gl.cull_face = "ccw", "back"
 
     def _draw_instance(self, program: moderngl.Program, draw: Draw, mesh: MeshBuffers, frame: Frame,
-                       is_sorted: bool, show: Show | None = None) -> None:
+                       is_sorted: bool, show: Show | None) -> None:
         transform = self.scene.instances[draw.instance].transform
         set_uniform(program, "u_model", matrix_uniform(frame.model(transform @ mesh.to_mesh)))
         set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))

@@ -91,7 +91,7 @@ def _starts(curves: Curves) -> np.ndarray:
     return starts
 
 
-def segment_count(curves: Curves, error: float = 0.05, longest: float = math.inf) -> int:
+def segment_count(curves: Curves, error: float, longest: float) -> int:
     """How many segments `segments` makes, or would make if they were not too many."""
     return int(_pieces(curves, _stacked(curves), error, longest).sum())
 

@@ -77,10 +77,10 @@ def _other_side(chords: _Chords) -> NDArray[np.float64]:
     return np.column_stack([turn, unit(normals)])
 
 
-def light_behind(context: Context, scene: Scene, instances: Sequence[int], light: VertexLight,
-                 rays: int = _RAYS) -> dict[int, NDArray[np.float32]]:
+def light_behind(context: Context, scene: Scene, instances: Sequence[int],
+                 light: VertexLight) -> dict[int, NDArray[np.float32]]:
     """The mean of `light` where chords from the vertices of `instances` come out again, (V, 4) float32 for each."""
-    chords = _Chords(context, scene, instances, rays)
+    chords = _Chords(context, scene, instances, _RAYS)
     means = np.zeros((len(chords.points.triangle), 4))
     for number, (rows, corners, weights) in chords.exits.items():
         found = np.einsum("nk,nkc->nc", weights, light.per_instance[number][corners].astype(np.float64))

@@ -27,12 +27,12 @@ def statistic(observed: np.ndarray, expected: np.ndarray) -> tuple[float, int]:
     return float(((observed - expected) ** 2 / np.maximum(expected, 1.0)).sum()), max(len(expected) - 1, 1)
 
 
-def critical_value(degrees: int, tests: int, significance: float = SIGNIFICANCE) -> float:
-    """What chi-squared exceeds with probability `significance` in any one of `tests` independent tests.
+def critical_value(degrees: int, tests: int) -> float:
+    """What chi-squared exceeds with probability SIGNIFICANCE in any one of `tests` independent tests.
 
-    Each test gets 1 - (1 - significance)^(1 / tests) (Sidak 1967); the quantile is that of Wilson & Hilferty 1931.
+    Each test gets 1 - (1 - SIGNIFICANCE)^(1 / tests) (Sidak 1967); the quantile is that of Wilson & Hilferty 1931.
     """
-    each = -np.expm1(np.log1p(-significance) / tests)
+    each = -np.expm1(np.log1p(-SIGNIFICANCE) / tests)
     z = NormalDist().inv_cdf(1 - each)
     k = 2 / (9 * degrees)
     return degrees * (1 - k + z * np.sqrt(k)) ** 3

@@ -12,10 +12,8 @@ from ...gpu.call import call_glsl
 from ...gpu.context import Context
 from ...settings import MASKINGS, NDFS
 
-REFLECTION, TRANSMISSION, DELTA = 1, 2, 4
+TRANSMISSION, DELTA = 2, 4
 """Bits of a sample's flags, as in bsdf.glsl."""
-DELTA_ALPHA = 1e-3
-"""Below it a lobe is a mirror, as in bsdf.glsl."""
 
 ALPHAS = (0.0, 1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0)
 COSINES = (1.0, 0.5, 0.1, 1e-3, 1e-6)

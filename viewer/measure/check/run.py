@@ -27,7 +27,7 @@ from .woven import check_woven, check_woven_extremes
 Part = tuple[str, Callable[[], Iterator[Check]]]
 
 
-def run_checks(what: str, quiet: bool = False) -> list[Check]:
+def run_checks(what: str, quiet: bool) -> list[Check]:
     """The checks of the package's own shaders: `what` of energy, stability or all. Raises ContextError."""
     with open_context() as context:
         renderer, tracer = Renderer(context, use_cache=False), Tracer(context, use_cache=False)
@@ -47,7 +47,7 @@ def run_checks(what: str, quiet: bool = False) -> list[Check]:
         return _run(parts, quiet)
 
 
-def run_model_checks(scene: Scene, settings: Settings, quiet: bool = False) -> list[Check]:
+def run_model_checks(scene: Scene, settings: Settings, quiet: bool) -> list[Check]:
     """The energy of every material of a model, its factors as the renderer shades them. Raises ContextError."""
     with open_context() as context:
         renderer = Renderer(context, use_cache=False)
@@ -57,7 +57,7 @@ def run_model_checks(scene: Scene, settings: Settings, quiet: bool = False) -> l
         return _run(parts, quiet)
 
 
-def run_shader_checks(file: str, lobe: str, quiet: bool = False) -> list[Check]:
+def run_shader_checks(file: str, lobe: str, quiet: bool) -> list[Check]:
     """The energy of a lobe of the user's own file. Raises ShaderError, UsageError, ContextError."""
     return _run(_lobe_parts([user_case(file, lobe)]), quiet)
 

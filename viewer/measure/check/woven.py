@@ -17,6 +17,7 @@ from ...scene.weave import WEAVES, Weave, Yarn
 from .checks import Check
 from .chi_squared import critical_value, statistic
 from .energy import directions
+from .lobes import DELTA
 
 FILE = "bsdf/weave/woven.glsl"
 COSINES = (1.0, 0.6, 0.2, 0.03)
@@ -25,7 +26,6 @@ BINS, NODES = 16, 10
 """Of the cosine and of the azimuth; and the quadrature nodes in each bin, along each."""
 GAIN_BOUND, LOSS_BOUND, ALBEDO_BOUND, RECIPROCITY_BOUND = 4e-3, 0.01, 0.02, 1e-4
 """The share that is mirrored once is interpolated between nodes, least exactly at grazing angles."""
-DELTA = 4
 
 
 def check_woven() -> Iterator[Check]:

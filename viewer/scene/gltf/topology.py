@@ -19,7 +19,7 @@ RESTARTABLE = (2, 3, 5, 6)
 """The modes whose indices a restart value may split, each part a loop, strip or fan of its own (RESTART)."""
 
 
-def to_list(mode: int, indices: np.ndarray, restart: int | None = None) -> np.ndarray:
+def to_list(mode: int, indices: np.ndarray, restart: int | None) -> np.ndarray:
     """Converts (M,) uint32 indices of a glTF mode to (M',) uint32 indices of separate points, lines or triangles.
 
     `restart` is the value between two parts of the indices; only RESTARTABLE modes have it.

@@ -8,13 +8,12 @@ import numpy as np
 
 from .film import Film
 
-TRACED_LAYERS = ("albedo", "normal", "distance", "variance", "samples")
 FIRST_HIT_LAYERS = frozenset({"albedo", "normal", "distance"})
 """Those that only a film with `has_layers` gathers."""
 
 
 def read_layers(film: Film, names: Collection[str]) -> dict[str, np.ndarray]:
-    """The layers `names` of TRACED_LAYERS, (H, W, 3) or (H, W) float32, row 0 at the top.
+    """The layers `names`, (H, W, 3) or (H, W) float32, row 0 at the top.
 
     albedo, normal (world axes, length at most 1) and distance (along the ray, in the scene's unit) are means over the
     first hits of the pixel's camera rays; a pixel without hits has 0, 0 and infinity. variance is the estimated

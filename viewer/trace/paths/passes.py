@@ -34,7 +34,7 @@ _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, 
 _OVER_BLOCKS = ("begin", "zero", "begin sums")
 
 
-def vertex_shader(name: str, is_sorted: bool = False) -> str:
+def vertex_shader(name: str, is_sorted: bool) -> str:
     """The vertex shader of the pass `name`, of a wavefront that is sorted or not."""
     if name in ("splat", "weigh"):
         return f"trace/{name}.vert"

@@ -31,7 +31,7 @@ class PhotonPasses(Passes):
         wavefront.present.use()
         wavefront.draw_blocks(self._program("begin", u_grid=wavefront.grid), blocks)
 
-    def shade_onto(self, wavefront: Wavefront, splats: Sums, arriving: Sums | None = None) -> None:
+    def shade_onto(self, wavefront: Wavefront, splats: Sums, arriving: Sums | None) -> None:
         """Add what the camera sees of the wavefront's vertices to `splats`, and compute the next state. In the one
         pixel of `arriving` add up what photons bring to the eye on their way (trace/weigh.vert)."""
         self._bind_wavefront(wavefront)
