@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 
-
 def log_bessel_i0(x):
     """log I0(x), x >= 0; beyond 500 by Hankel's series (Abramowitz & Stegun 1964, 9.7.1), good to 1e-13 there."""
     series = 1 + sum(np.prod([(2 * j - 1) ** 2 for j in range(1, k + 1)]) / (np.prod(range(1, k + 1), initial=1.0)

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from ..errors import UsageError
-from .arrays import scene_array
+from .arrays import HoldsArrays, scene_array
 
 Interpolation = Literal["step", "linear", "cubic"]
 
@@ -29,7 +29,7 @@ class Target(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class Track(HoldsArrays):
     """The key frames of one property.
 
     `times` (K,) float32, in seconds, none before its predecessor. `values` (K, C) float32; for "cubic" (K, 3, C): the
@@ -52,12 +52,8 @@ class Track:
         if not len(times) or (np.diff(times) < 0).any():
             raise UsageError("Track.times: there must be one, and each must follow the one before")
         shape = (len(times), 3, None) if self.interpolation == "cubic" else (len(times), None)
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "values", scene_array(self.values, "Track.values", np.float32, *shape))
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
+        self._set("times", times)
+        self._set("values", scene_array(self.values, "Track.values", np.float32, *shape))
 
     @property
     def is_rotation(self) -> bool:

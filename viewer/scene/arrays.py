@@ -10,6 +10,25 @@ import numpy as np
 from ..errors import UsageError
 
 _FEW = 64
+"""The most numbers that are looked at one by one."""
+
+
+class HoldsArrays:
+    """Base of frozen dataclasses whose `__post_init__` checks and converts their fields.
+
+    It does so again in a copy and in another process, for numpy's copies of read-only arrays are writable.
+    """
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def __post_init__(self) -> None:
+        raise NotImplementedError
+
 
 def scene_array(values: Any, name: str, dtype: type, *shape: int | None) -> np.ndarray:
     """`values` as a read-only array of `dtype` and `shape`, in which None is any length.

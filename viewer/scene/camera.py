@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..base.expect import expect
 from ..errors import UsageError
-from .arrays import scene_array, scene_numbers
+from .arrays import HoldsArrays, scene_array, scene_numbers
 
 DEFAULT_FOV = math.radians(45.0)
 DEFAULT_AZIMUTH = math.radians(30.0)
@@ -24,7 +24,7 @@ _NOT_RIGID = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
-class Camera:
+class Camera(HoldsArrays):
     """A rigid pose and a projection.
 
     `pose` (4, 4) float64 takes camera space to world space and contains only rotation and translation, for columns: the
@@ -49,14 +49,14 @@ class Camera:
     pixel_aspect: float = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pose", scene_array(self.pose, "Camera.pose", np.float64, 4, 4))
+        self._set("pose", scene_array(self.pose, "Camera.pose", np.float64, 4, 4))
         _check_rigid(self.pose)
         expect(self.name, str, "Camera.name", "text")
         for key in ("fov_y", "height", "near", "pixel_aspect"):
             value = getattr(self, key)
             if value is not None or key in ("fov_y", "pixel_aspect"):
                 expect(value, Real, f"Camera.{key}", "a number")
-                object.__setattr__(self, key, float(value))  # of numpy's float32, too, which JSON cannot store
+                self._set(key, float(value))  # of numpy's float32, too, which JSON cannot store
         if self.height is None and not 0 < self.fov_y < math.pi:
             hint = "; it is in radians: math.radians(45), say" if self.fov_y >= math.pi else ""
             raise UsageError(f"Camera.fov_y is {self.fov_y:g}, which is not between 0 and pi{hint}")
@@ -64,16 +64,12 @@ class Camera:
             raise UsageError(f"Camera.height is {self.height:g}, not a length")
         if self.near is not None and not 0 < self.near < math.inf:
             raise UsageError(f"Camera.near is {self.near:g}, not a length")
-        object.__setattr__(self, "principal", scene_numbers(self.principal, "Camera.principal", 2))
+        self._set("principal", scene_numbers(self.principal, "Camera.principal", 2))
         if max(map(abs, self.principal)) > MAX_PRINCIPAL:
             raise UsageError(f"Camera.principal is {self.principal}: it is more than {MAX_PRINCIPAL:g} pictures away")
         if not 1 / MAX_PIXEL_ASPECT <= self.pixel_aspect <= MAX_PIXEL_ASPECT:
             raise UsageError(f"Camera.pixel_aspect is {self.pixel_aspect:g}, not from {1 / MAX_PIXEL_ASPECT:g} to "
                              f"{MAX_PIXEL_ASPECT:g}")
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
 
     @property
     def eye(self) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base.expect import expect, expect_path
 from ..errors import UsageError
-from .arrays import scene_array
+from .arrays import HoldsArrays, scene_array
 from .fibre import Fibre
 
 CurveKind = Literal["linear", "catmull-rom", "b-spline"]
@@ -24,7 +24,7 @@ _CHUNK = 1 << 16
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Curves:
+class Curves(HoldsArrays):
     """Strands in world coordinates, each a tube with round ends about a curve through or near its points.
 
     `points` (n, 3) float32. `radii` (n,) float32, not negative. `offsets` (strands + 1,) int64: the points of strand k
@@ -77,17 +77,9 @@ class Curves:
             raise UsageError(f"Curves: strand {worst} has {self.lengths[worst]} points; at least {fewest[worst]} are "
                              f"needed for one that is {'closed' if self.closed[worst] else self.kind}")
 
-    def __setstate__(self, state: dict[str, object]) -> None:
-        """Of a copy or from another process: numpy's copies of read-only arrays are writable."""
-        self.__dict__.update(state)
-        self.__post_init__()
-
     def __repr__(self) -> str:
         """In one line: the arrays would fill pages."""
         return f"<Curves {self.name!r}: {self.strand_count} strands, {self.kind}, {len(self.points)} points>"
-
-    def _set(self, name: str, value: object) -> None:
-        object.__setattr__(self, name, value)
 
     @property
     def strand_count(self) -> int:

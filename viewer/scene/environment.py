@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import UsageError
-from .arrays import scene_array
+from .arrays import HoldsArrays, scene_array
 from .light import BRIGHTEST
 
 MAX_RADIANCE = 1e12
@@ -22,7 +22,7 @@ MAX_INTENSITY = BRIGHTEST / MAX_RADIANCE
 
 
 @dataclass(frozen=True, eq=False)
-class Environment:
+class Environment(HoldsArrays):
     """An environment map. `source` is its radiance, (H, W, 3) float32, or a function that decodes it on first access.
 
     `rotation` turns it about +Y, in radians, counter-clockwise seen from above (towards smaller u). `intensity`
@@ -47,14 +47,10 @@ class Environment:
             if radiance.max() > MAX_RADIANCE:
                 raise UsageError(f"Environment.source {radiance.shape}: radiance {radiance.max():.3g} is over "
                                  f"{MAX_RADIANCE:g}")
-            object.__setattr__(self, "source", radiance)
+            self._set("source", radiance)
         if not (math.isfinite(self.rotation) and 0 <= self.intensity <= MAX_INTENSITY):
             raise UsageError(f"Environment: rotation {self.rotation:g}, intensity {self.intensity:g} are not finite, "
                              f"or intensity is not from 0 to {MAX_INTENSITY:g}")
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
 
     def digest_parts(self) -> tuple[object, ...]:
         """The values that its light depends on, for `base.digest`. If `digest` is known, no file is decoded."""

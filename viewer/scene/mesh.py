@@ -10,7 +10,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from ..errors import UsageError
-from .arrays import scene_array
+from .arrays import HoldsArrays, scene_array
 
 Topology = Literal["triangles", "lines", "points"]
 _CHUNK = 1 << 14
@@ -18,7 +18,7 @@ _CHUNK = 1 << 14
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh:
+class Mesh(HoldsArrays):
     """Geometry with one material, drawn by one call. Readers convert strips, fans and loops to one of three topologies.
 
     `positions` (N, 3) float32, finite. `normals` (N, 3) float32 of unit length, or None (for points and lines).
@@ -67,14 +67,6 @@ class Mesh:
         given += [f"{len(self.uvs)} uvs"] * bool(self.uvs)
         words = ", ".join([self.topology, f"{len(self.positions)} positions", *given])
         return f"<Mesh {self.name!r}: {words}>"
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        """Of a copy or from another process: numpy's copies of read-only arrays are writable."""
-        self.__dict__.update(state)
-        self.__post_init__()
-
-    def _set(self, name: str, value: object) -> None:
-        object.__setattr__(self, name, value)
 
     @cached_property
     def drawn(self) -> np.ndarray:

@@ -16,7 +16,7 @@ from ..base.expect import expect
 from ..errors import UsageError
 from . import extent, framing, override
 from .animation import Animation
-from .arrays import scene_array
+from .arrays import HoldsArrays, scene_array
 from .camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from .curves import Curves
 from .environment import Environment
@@ -33,7 +33,7 @@ MAX_EXTENT = 1e18
 
 
 @dataclass(frozen=True, eq=False)
-class Instance:
+class Instance(HoldsArrays):
     """A mesh placed in the world; `transform` is (4, 4) float64, column vectors (world = transform @ local)."""
 
     mesh: int
@@ -41,11 +41,7 @@ class Instance:
     name: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "transform", scene_array(self.transform, "Instance.transform", np.float64, 4, 4))
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
+        self._set("transform", scene_array(self.transform, "Instance.transform", np.float64, 4, 4))
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 from ..base.expect import expect, expect_path
 from ..errors import UsageError
 from ..settings import Settings
-from .arrays import scene_array
+from .arrays import HoldsArrays, scene_array
 from .medium import Medium
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Volume:
+class Volume(HoldsArrays):
     """A grid of densities. What a density of 1 does to light is for the settings `volume-...` to say.
 
     `density` (nz, ny, nx) float32 or float16, finite and not negative. x is the fastest axis, as in a 3D texture of
@@ -48,8 +48,8 @@ class Volume:
             raise UsageError(f"Volume.index_to_world: its last row is {matrix[3].tolist()}, not 0, 0, 0, 1")
         if np.linalg.matrix_rank(matrix[:3, :3]) < 3:
             raise UsageError("Volume.index_to_world: it makes the grid flat, and has no inverse")
-        object.__setattr__(self, "density", density)
-        object.__setattr__(self, "index_to_world", matrix)
+        self._set("density", density)
+        self._set("index_to_world", matrix)
 
     @classmethod
     def in_box(cls, density: np.ndarray, box: ArrayLike, name: str = "density") -> Volume:
@@ -84,11 +84,6 @@ class Volume:
         """In one line: the densities would fill pages."""
         size = " x ".join(map(str, self.density.shape[::-1]))
         return f"<Volume {self.name!r}: {size} voxels, {self.density.dtype}, up to {self.maximum:g}>"
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        """Of a copy or from another process: numpy's copies of read-only arrays are writable."""
-        self.__dict__.update(state)
-        self.__post_init__()
 
     @cached_property
     def maximum(self) -> float:
