@@ -11,7 +11,10 @@ from pathlib import Path
 def memory_mb() -> dict[str, float | None]:
     """The resident set in MB: now (`rss_mb`) and at its largest (`peak_rss_mb`). What the system does not report is
     None."""
-    return {"rss_mb": _resident(), "peak_rss_mb": _peak()}
+    now, peak = _resident(), _peak()
+    if now is not None and peak is not None:
+        peak = max(peak, now)  # Linux brings the peak up to date only now and then
+    return {"rss_mb": now, "peak_rss_mb": peak}
 
 
 def _resident() -> float | None:
