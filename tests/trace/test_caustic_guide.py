@@ -206,11 +206,29 @@ def test_photons_are_traced_again_only_for_other_light(monkeypatch) -> None:
 def test_a_plan_traces_no_photons(monkeypatch) -> None:
     monkeypatch.setattr(caustic_guide, "caustic_rays", None)
     line = "a guide to the lamps that smooth bodies may show rough surfaces"
-    floor, lamp = FLOOR, (LAMP, ABOVE)
-    for material, placed, may in ((METAL, (floor, lamp), True), (METAL, (floor,), False),
-                                  (Material("plastic", metallic=0.0), (floor, lamp), False)):
-        plan = plan_without_device(with_ball(material, *placed), Settings(mode="path"))
+    floor, lamp, ground = FLOOR, (LAMP, ABOVE), FLOOR[1]
+    poster, mirror = Material("poster", unlit=True), (replace(METAL, emissive=LAMP.emissive), ABOVE)
+    for material, placed, settings, may in (
+            (METAL, (floor, lamp), {}, True), (METAL, (floor,), {}, False),
+            (Material("plastic", metallic=0.0), (floor, lamp), {}, False),
+            (METAL, (floor, mirror), {}, True), (METAL, ((poster, ground), mirror), {}, False),
+            (METAL, (floor, lamp), {"bounces": 1}, False), (METAL, (floor, lamp), {"lobes": "specular"}, False)):
+        plan = plan_without_device(with_ball(material, *placed), Settings.of(mode="path", **settings))
         assert (line in plan.used) == may and any(left.startswith(line) for left in plan.left_out) != may
+
+
+def test_photons_alone_have_none(context, monkeypatch) -> None:
+    """A picture of the raster has photons, and no paths that would follow the guide."""
+    monkeypatch.setattr(caustic_guide, "caustic_rays", None)
+    glass = Material("glass", metallic=0.0, transmission=1.0, thickness=1.0, perceptual_roughness=0.0)
+    lamp = Light("point", position=(0.0, 0.5, 0.0), intensity=10.0)
+    scene = replace(with_ball(glass, FLOOR, (LAMP, ABOVE)), lights=(lamp,))
+    tracer = Tracer(context)
+    camera = Camera.look_at((0.3, 0.6, 2.2), (0.5, -0.9, 0.0), fov_y=np.radians(50))
+    photons = tracer.begin_photons(scene, camera, Settings(mode="path", caustics="photons"), (16, 16))
+    assert photons is not None
+    photons.release()
+    tracer.release()
 
 
 @pytest.mark.parametrize("material", [Material("rough metal", metallic=1.0, perceptual_roughness=0.8),

@@ -170,8 +170,9 @@ def plan_trace(
 def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int], classes: Mapping[str, int],
                      ) -> dict[str, Program]:
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
-    light = {"PHOTONS": 1, "HAS_CLEARANCE": 0, "SORTED": 0}  # photons are connected at every collision
-    switches, classes = {**switches, "SORTED": 0}, {**classes, "SORTED": 0}
+    light = {"PHOTONS": 1, "HAS_CLEARANCE": 0,  # they are connected at every collision
+             "HAS_CAUSTIC_GUIDE": 0, "SORTED": 0}
+    switches, classes = {**switches, "HAS_CAUSTIC_GUIDE": 0, "SORTED": 0}, {**classes, "SORTED": 0}
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
                                                "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", "HAS_SEE_THROUGH",
                                                DISPERSION.switch, "LIGHT_RADIUS")}

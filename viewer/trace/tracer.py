@@ -145,7 +145,7 @@ class Tracer:
         bring straight through panes. Raises as `begin`."""
         scene = self._with_curves(scene, settings)
         view = replace(_View.of(scene, camera, size), seen=None)
-        setup = self._set_up(scene, settings, size, (), view=view)
+        setup = self._set_up(scene, settings, size, (), view=view, is_for_photons=True)
         plan, traced = setup.plan, setup.traced
         if not plan.photons:
             return None
@@ -188,12 +188,12 @@ class Tracer:
                           self._display, layers, setup.denoiser, photons, guide, sky, is_interactive, first)
 
     def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
-                rays: SurfaceRays | None = None, view: _View | None = None) -> _SetUp:
+                rays: SurfaceRays | None = None, view: _View | None = None, is_for_photons: bool = False) -> _SetUp:
         """As `_begin`: the scene and the plan, and what binds their data to programs."""
         self.context.make_current()
         scene = woven(scene, settings)
         denoiser = self._denoiser(settings.denoise)
-        traced = self._prepare(scene, settings)
+        traced = self._prepare(scene, settings, is_for_photons)
         has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything
         angle = view.pixel_angle if view is not None else 0.0
         covered = self._coverage(traced.geometry, *view.seen) if view is not None and view.seen is not None else None
@@ -256,9 +256,9 @@ class Tracer:
             self._denoisers[kind] = make_denoiser(self.context, self.programs, kind)
         return self._denoisers[kind]
 
-    def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
-        held = self._scene
-        if held is not None and held.is_everything == (settings.plan == "everything"):
+    def _prepare(self, scene: Scene, settings: Settings, is_for_photons: bool) -> TracedScene:
+        held, kind = self._scene, (settings.plan == "everything", is_for_photons)
+        if held is not None and (held.is_everything, held.is_for_photons) == kind:
             if held.holds(scene) and held.has_fog_of(scene, settings):
                 held.relight(scene, settings)
                 return held
@@ -267,7 +267,7 @@ class Tracer:
         if held is not None:
             held.release()
         self._scene = None  # in case that the next one fails
-        self._scene = TracedScene(self.context, scene, settings, self._intersector)
+        self._scene = TracedScene(self.context, scene, settings, self._intersector, is_for_photons)
         return self._scene
 
     def _dfg_texture(self, settings: Settings, plan: TracePlan) -> moderngl.Texture:

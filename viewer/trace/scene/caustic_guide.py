@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 
 from ...scene.environment import Environment
 from ...scene.scene import Scene
+from ...settings import Settings
 from ..layout import GUIDE_CELLS, GUIDE_PLACES
 from ..rays.intersect import Intersector
 from .alias import alias_table, morton_order
-from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, unit
+from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, receives, unit
 from .geometry import TraceGeometry
 from .lights import SceneLights
 from .scene_buffer import SceneBufferBuilder
@@ -46,16 +47,20 @@ class CausticGuide:
     rough surfaces. `count` is the number of these casters, `uniforms` and `switches` are those of the shader.
     `previous` is the guide before this one: what it found is kept if it was of the same bodies and the same light.
 
-    The triangles are those of `intersector`, if it is Embree's. Where Embree is not installed there is no guide. Raises
-    InputError for an environment that cannot be decoded.
+    The triangles are those of `intersector`, if it is Embree's. There is no guide unless `is_wanted`, and none where
+    `may_guide` says so. Raises InputError for an environment that cannot be decoded.
     """
 
     def __init__(self, scene: Scene, geometry: TraceGeometry, buffer: SceneBufferBuilder, lights: SceneLights,
-                 intersector: Intersector | None = None, previous: CausticGuide | None = None) -> None:
+                 intersector: Intersector | None = None, previous: CausticGuide | None = None,
+                 is_wanted: bool = True) -> None:
         self._geometry, self._environment, (_, self._emitted) = geometry, _environment(scene, lights), lights.emitters
-        tables = (previous.tables if previous is not None and self._is_as(previous)
-                  else _tables(scene, geometry, lights, intersector))
-        self.tables: list[Table] = tables
+        self._is_made = is_wanted and may_guide(scene, geometry, lights)
+        self.tables: list[Table] = []
+        if self._is_made:
+            self.tables = (previous.tables if previous is not None and self._is_as(previous)
+                           else _tables(scene, geometry, lights, intersector))
+        tables = self.tables
         self.count = len(tables)
         self.uniforms: dict[str, object] = {"u_guide_count": self.count}
         self.switches = {"HAS_CAUSTIC_GUIDE": int(self.count > 0)}
@@ -76,14 +81,22 @@ class CausticGuide:
 
     def _is_as(self, other: CausticGuide) -> bool:
         """Whether both are of the same bodies and the same light, so that photons would find the same."""
-        return (self._geometry is other._geometry and self._environment is other._environment
+        return (other._is_made and self._geometry is other._geometry and self._environment is other._environment
                 and np.array_equal(self._emitted, other._emitted))
 
 
+def guides(settings: Settings) -> bool:
+    """Whether paths under these settings may get from one surface by way of another to a lamp, and show it."""
+    return settings.bounces > 1 and settings.lobes == "all"
+
+
 def may_guide(scene: Scene, geometry: TraceGeometry, lights: SceneLights) -> bool:
-    """Whether photons would look for a guide: by materials, sizes and lights alone, so that it takes no time."""
+    """Whether photons would look for a guide: by materials, sizes and lights alone, so that it takes no time. Without
+    Embree none would."""
     is_lit = _environment(scene, lights) is not None or bool(lights.emitters[1].any())
-    return is_lit and find_spec("embreex") is not None and bool(casters_of(geometry, _LARGEST, 1))
+    return (is_lit and find_spec("embreex") is not None
+            and any(receives(geometry, instance) for instance in geometry.instances)
+            and bool(casters_of(geometry, _LARGEST, 1)))
 
 
 def _environment(scene: Scene, lights: SceneLights) -> Environment | None:
@@ -105,14 +118,10 @@ def _tables(scene: Scene, geometry: TraceGeometry, lights: SceneLights, intersec
     emitters, emitted = lights.emitters
     environment = _environment(scene, lights)
     casters = casters_of(geometry, _LARGEST, _CANDIDATES)
-    if not casters or (environment is None and not emitted.any()):
-        return []
     triangles = getattr(intersector, "triangles", None)
     if triangles is None:
-        try:
-            from ..rays.embree_triangles import EmbreeTriangles
-        except ImportError:
-            return []
+        from ..rays.embree_triangles import EmbreeTriangles
+
         triangles = EmbreeTriangles(geometry)
     rays = caustic_rays(scene, geometry, triangles, casters, emitters, emitted, environment)
     flux = np.bincount(rays.caster, rays.flux, len(casters))

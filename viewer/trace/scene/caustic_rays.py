@@ -69,6 +69,12 @@ def is_smooth(geometry: TraceGeometry, instance: TraceInstance) -> bool:
     return is_glass or (instance.kind == SURFACE and m.metallic > 0.5)
 
 
+def receives(geometry: TraceGeometry, instance: TraceInstance) -> bool:
+    """Whether paths go on from there by the guide: from what scatters light to all sides."""
+    is_lit = not geometry.materials[instance.material].material.unlit
+    return instance.kind == SURFACE and is_lit and not is_smooth(geometry, instance)
+
+
 def casters_of(geometry: TraceGeometry, largest: float, most: int) -> list[Caster]:
     """The `most` largest smooth bodies with a radius up to `largest`."""
     found = []
@@ -185,8 +191,7 @@ def _traced(scene: Scene, geometry: TraceGeometry, triangles: EmbreeTriangles, c
     """Follows photons from caster to caster, until they meet a rough surface."""
     caster_of = np.full(len(geometry.instances), -1)
     caster_of[[caster.instance for caster in casters]] = np.arange(len(casters))
-    receives = np.array([instance.kind == SURFACE and not is_smooth(geometry, instance)
-                         for instance in geometry.instances])
+    is_receiver = np.array([receives(geometry, instance) for instance in geometry.instances])
     origin, direction, flux = photons.origin, photons.direction, photons.flux
     last = np.full(len(origin), -1)
     landed = []
@@ -198,7 +203,7 @@ def _traced(scene: Scene, geometry: TraceGeometry, triangles: EmbreeTriangles, c
         direction, flux, last = direction[rows], flux[rows], last[rows]
         origin = origin[rows] + found["tfar"][:, None] * direction
         normal = unit(found["Ng"])
-        ends = receives[instance] & (last >= 0)
+        ends = is_receiver[instance] & (last >= 0)
         cosine = np.abs((normal[ends] * direction[ends]).sum(axis=1))
         landed.append((last[ends], origin[ends], -direction[ends], cosine, flux[ends]))
         on = caster_of[instance] >= 0

@@ -19,7 +19,7 @@ from ...scene.yarn.spun import spun
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
-from .caustic_guide import CausticGuide, may_guide
+from .caustic_guide import CausticGuide, guides, may_guide
 from .curves import trace_curves
 from .encode import geometry_switches
 from .geometry import trace_geometry
@@ -35,10 +35,12 @@ UNIT_WEAVE = 22  # beyond that of viewer/trace/scene/volumes.py
 
 
 class TracedScene:
-    """Begins with the lights of `scene` under `settings`. `relight` changes to other lights on the same triangles."""
+    """Begins with the lights of `scene` under `settings`. `relight` changes to other lights on the same triangles.
+    With `is_for_photons` none but photons are traced, which have no guide to caustics."""
 
-    def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
-        self._context = context
+    def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str,
+                 is_for_photons: bool = False) -> None:
+        self._context, self.is_for_photons = context, is_for_photons
         self._fog = fog_of(scene, settings)
         self._placed = trace_geometry(scene, fog=self._fog, curves=trace_curves(scene))
         self.geometry = with_priorities(self._placed)
@@ -97,7 +99,8 @@ class TracedScene:
             for name, texels in self.geometry.curves.texels(settings).items():
                 buffer.add(name, texels)
         self.photons = Photons(scene, self.geometry, buffer, settings, self._lights.lit)
-        self._guide = CausticGuide(scene, self.geometry, buffer, self._lights, self.intersector, guide)
+        self._guide = CausticGuide(scene, self.geometry, buffer, self._lights, self.intersector, guide,
+                                   is_wanted=guides(settings) and not self.is_for_photons)
         self._data.upload(buffer)
         self._data.show_specular(bool(bsdf_switches(settings)["SHOW_SPECULAR"]))
         self._scene, self._droplets = scene, _droplets(scene, settings)
@@ -172,7 +175,7 @@ def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
     """What the lights depend on. Environments are compared by identity."""
     fibres = (hair_fibre(settings), gives_color(settings)) if scene.curves else None
     return (scene.environment, scene.lights, settings.light_radius, settings.lobes,
-            settings.background_blur, settings.caustics, volume_medium(settings), fibres)
+            settings.background_blur, settings.caustics, volume_medium(settings), fibres, guides(settings))
 
 
 def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
@@ -192,7 +195,7 @@ def plan_without_device(scene: Scene, settings: Settings, rays: int = 0) -> Trac
     lights = SceneLights(None, scene, geometry, buffer, settings)
     photons = Photons(scene, geometry, buffer, settings, lights.lit)
     switches |= lights.switches | _droplets(scene, settings)
-    switches["HAS_CAUSTIC_GUIDE"] = int(may_guide(scene, geometry, lights))
+    switches["HAS_CAUSTIC_GUIDE"] = int(guides(settings) and may_guide(scene, geometry, lights))
     return plan_trace(scene, settings, geometry, switches,
                       has_layers=settings.denoise != "off", left_out=lights.left_out, rays=rays, photons=photons,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")
