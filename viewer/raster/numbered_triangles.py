@@ -10,6 +10,7 @@ from ..plan.deferral import TRIANGLE_BITS
 from ..plan.model import Draw
 from ..scene.scene import Scene
 from ..scene.triangles import triangles_of
+from ..scene.unit_vectors import unit_vectors
 from .pixel_boxes import cell_corners
 
 
@@ -55,6 +56,5 @@ def triangle_planes(positions: np.ndarray, triangles: np.ndarray, matrix: np.nda
     to_scene = (matrix[:3, :3] / scene.radius).T
     middle = (matrix[:3, 3] - scene.center) / scene.radius
     corners = positions.astype(np.float64)[triangles] @ to_scene + middle
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    normals = unit_vectors(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     return np.concatenate([normals, -(normals * corners[:, 0]).sum(axis=1, keepdims=True)], axis=1).astype(np.float32)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .unit_vectors import unit_vectors
 from .weld import weld
 
 CREASE = np.pi / 4
@@ -42,7 +43,7 @@ def creased_normals(positions: np.ndarray, triangles: np.ndarray, crease: float 
         face[chunk] = _unit(_face_normals(corners))
         weighted[chunk] = corner_angles(corners)[..., None] * face[chunk, None, :]
     vertex = weld(positions)[triangles]
-    means = _normalised(sum_by(vertex.ravel(), weighted.reshape(-1, 3), len(positions)))
+    means = unit_vectors(sum_by(vertex.ravel(), weighted.reshape(-1, 3), len(positions)))
     normals = _unit(means)[vertex].reshape(-1, 3)
 
     # If all triangles at a vertex are within half the crease angle of their mean, every two of them are within the
@@ -86,7 +87,7 @@ def grouped_normals(positions: np.ndarray, triangles: np.ndarray, groups: np.nda
 
 def corner_angles(corners: np.ndarray) -> np.ndarray:
     """The interior angles of triangles in radians: from (T, 3, 3) corners, (T, 3); 0 if an edge has no length."""
-    to_next = _normalised(np.roll(corners, -1, axis=1) - corners)
+    to_next = unit_vectors(np.roll(corners, -1, axis=1) - corners)
     to_previous = -np.roll(to_next, 1, axis=1)
     return np.arccos(np.clip(np.einsum("tki,tki->tk", to_next, to_previous), -1, 1)) * to_next.any(axis=2)
 
@@ -102,14 +103,8 @@ def _face_normals(corners: np.ndarray) -> np.ndarray:
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
-def _normalised(vectors: np.ndarray) -> np.ndarray:
-    """Unit vectors; vectors without length stay zero."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return vectors / np.where(length > 0, length, 1)
-
-
 def _unit(vectors: np.ndarray) -> np.ndarray:
     """Unit vectors as float32; vectors without length become +Z."""
-    out = _normalised(vectors).astype(np.float32)
+    out = unit_vectors(vectors).astype(np.float32)
     out[~vectors.any(axis=-1)] = (0, 0, 1)
     return out

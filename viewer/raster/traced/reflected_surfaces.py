@@ -13,6 +13,7 @@ from ...gpu.context import Context
 from ...gpu.programs import Programs
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
+from ...scene.unit_vectors import octahedron, unit_vectors
 from ...settings import Settings
 from ...trace.defines import shader_defines
 from ...trace.kinds import SURFACE
@@ -77,13 +78,13 @@ def _vertices(
     indices = placed.triangles.ravel()
     radiance = np.zeros((len(indices), 4), np.float16)
     radiance[:, :3] = np.minimum(light.per_instance[instance.source][indices, :3], _MAX_RADIANCE)
-    faces = _unit(_face_normals(placed.positions[placed.triangles], instance.transform))
+    faces = unit_vectors(_face_normals(placed.positions[placed.triangles], instance.transform))
     if not material.double_sided and instance.kind == SURFACE:
         radiance[:, 3] = faces.ravel()
     normals = np.repeat(faces, 3, axis=0)
     if mesh.normals is not None:
-        normals = _unit(mesh.normals @ np.linalg.pinv(instance.transform[:, :3]))[indices]
-    surface = np.concatenate([_to_octahedron(normals) / 2 + 0.5, vertex_metal(material, mesh)[indices]], axis=1)
+        normals = unit_vectors(mesh.normals @ np.linalg.pinv(instance.transform[:, :3]))[indices]
+    surface = np.concatenate([octahedron(normals) / 2 + 0.5, vertex_metal(material, mesh)[indices]], axis=1)
     return radiance, np.rint(255 * surface).astype(np.uint8)
 
 
@@ -92,17 +93,6 @@ def _face_normals(positions: np.ndarray, transform: np.ndarray) -> np.ndarray:
     mesh; 0 for triangles without area."""
     edges = (positions[:, 1:] - positions[:, :1]).astype(np.float64) @ transform[:, :3].T
     return np.cross(edges[:, 0], edges[:, 1]) * np.sign(np.linalg.det(transform[:, :3]))
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)
-
-
-def _to_octahedron(d: np.ndarray) -> np.ndarray:
-    """Unit vectors (N, 3) as points (N, 2) of a square, as shaders/sample/octahedron.glsl; 0 for 0."""
-    p = d[:, :2] / np.maximum(np.abs(d).sum(axis=1, keepdims=True), 1e-30)
-    return np.where(d[:, 2:] < 0, (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1, -1), p)
 
 
 def _textures(context: Context, vertices: Sequence[tuple[np.ndarray, np.ndarray]]) -> dict[str, moderngl.Texture]:

@@ -20,6 +20,7 @@ from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...scene.schema import PARAMETERS
 from ...scene.transform import normal_matrix
+from ...scene.unit_vectors import unit_vectors
 from ...trace.defines import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
@@ -86,13 +87,13 @@ def _triangles(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -
     mesh = geometry.meshes[instance.mesh]
     points = mesh.positions.astype(np.float64) @ instance.transform[:, :3].T + instance.transform[:, 3]
     points = points[mesh.triangles]
-    faces = _unit(np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]))
+    faces = unit_vectors(np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]))
     faces *= -1 if instance.is_mirrored else 1
     normals = scene.meshes[mesh.source].normals
     if normals is None:
         normals = np.repeat(faces[:, None], 3, axis=1)
     else:
-        normals = _unit(normals.astype(np.float64) @ normal_matrix(scene.instances[instance.source].transform).T)
+        normals = unit_vectors(normals.astype(np.float64) @ normal_matrix(scene.instances[instance.source].transform).T)
         normals = normals[mesh.triangles]
     dp, dn = points - np.roll(points, 1, axis=1), normals - np.roll(normals, 1, axis=1)
     curvature = (dp * dn).sum(axis=(1, 2)) / np.maximum((dp * dp).sum(axis=(1, 2)), 1e-18)
@@ -102,8 +103,3 @@ def _triangles(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -
     texels[:, 3, 0] = (faces * points[:, 0]).sum(axis=1)
     texels[:, 3, 1] = curvature
     return texels.reshape(-1, 4)
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors; 0 stays 0."""
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.unit_vectors import unit_vectors
 from ..kinds import BOUNDARY
 from ..layout import INSTANCE_MASK, KIND_SHIFT, MEDIA_REACH
 
@@ -63,7 +64,7 @@ def instances_of(hits: NDArray[np.uint32]) -> NDArray[np.int64]:
 
 def offset_origin(points: NDArray[np.float32], normals: NDArray[np.float32]) -> NDArray[np.float32]:
     """Points moved off a surface towards `normals`, (N, 3) of any length, as shaders/trace/offset_origin.glsl does."""
-    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    normals = unit_vectors(normals)
     ulps = (256 * normals).astype(np.int32)
     bits = np.ascontiguousarray(points, np.float32).view(np.int32)
     moved = (bits + np.where(points < 0, -ulps, ulps)).view(np.float32)

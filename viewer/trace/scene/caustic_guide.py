@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 
 from ...scene.environment import Environment
 from ...scene.scene import Scene
+from ...scene.unit_vectors import unit_vectors
 from ...settings import Settings
 from ..layout import GUIDE_CELLS, GUIDE_PLACES
 from ..rays.intersect import Intersector
 from .alias import alias_table, morton_order
-from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, receives, unit
+from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, receives
 from .geometry import TraceGeometry
 from .lights import SceneLights
 from .scene_buffer import SceneBufferBuilder
@@ -140,7 +141,7 @@ def caster_table(caster: Caster, number: int, rays: CausticRays) -> Table:
     weights, counts = np.zeros(GUIDE_PLACES**2 * GUIDE_CELLS**2), np.zeros(GUIDE_PLACES**2, np.int64)
     squares, cosines = np.zeros((2, GUIDE_PLACES**2))
     for _ in range(_COPIES):
-        place = place_of(unit(away + rng.normal(0, 1 / GUIDE_PLACES, away.shape)))
+        place = place_of(unit_vectors(away + rng.normal(0, 1 / GUIDE_PLACES, away.shape)))
         moved = (square + rng.normal(0, 0.5 / GUIDE_CELLS, square.shape)) * GUIDE_CELLS
         column, row = np.clip(moved.astype(np.int64), 0, GUIDE_CELLS - 1).T
         weights += np.bincount((place * GUIDE_CELLS + row) * GUIDE_CELLS + column, flux, len(weights))

@@ -18,6 +18,7 @@ from ...scene.environment import Environment
 from ...scene.equirect import texel_solid_angles
 from ...scene.scene import Scene
 from ...scene.transform import normal_matrix
+from ...scene.unit_vectors import unit_vectors
 from ..kinds import GLASS, SURFACE
 from .geometry import TraceGeometry, TraceInstance
 
@@ -174,12 +175,12 @@ def _from_emitters(geometry: TraceGeometry, casters: Sequence[Caster], emitters:
     to = center - origin
     ratio = np.minimum(radius**2 / np.maximum((to**2).sum(axis=1), 1e-30), 1.0)
     spread = ratio / (1 + np.sqrt(1 - ratio))  # 1 - cosine of the cone
-    disk, axis = _disk(rng), unit(to)
+    disk, axis = _disk(rng), unit_vectors(to)
     rise = spread * (disk**2).sum(axis=1)
     disk *= np.sqrt(spread * (2 - rise))[:, None]
     x, y = basis(axis)
     direction = disk[:, :1] * x + disk[:, 1:] * y + (1 - rise)[:, None] * axis
-    cosine = (direction * unit(np.cross(edges[:, 0], edges[:, 1]))).sum(axis=1)
+    cosine = (direction * unit_vectors(np.cross(edges[:, 0], edges[:, 1]))).sum(axis=1)
     cosine = np.where(is_double_sided, np.abs(cosine), np.maximum(cosine, 0.0))
     # A power is pi times area and radiance, of both sides together.
     flux = emitted.sum() / np.pi / (1 + is_double_sided) * cosine * 2 * np.pi * spread / share / PHOTONS
@@ -202,7 +203,7 @@ def _traced(scene: Scene, geometry: TraceGeometry, triangles: EmbreeTriangles, c
         found = {name: found[name][rows].astype(np.float64) for name in ("u", "v", "tfar", "Ng")}
         direction, flux, last = direction[rows], flux[rows], last[rows]
         origin = origin[rows] + found["tfar"][:, None] * direction
-        normal = unit(found["Ng"])
+        normal = unit_vectors(found["Ng"])
         ends = is_receiver[instance] & (last >= 0)
         cosine = np.abs((normal[ends] * direction[ends]).sum(axis=1))
         landed.append((last[ends], origin[ends], -direction[ends], cosine, flux[ends]))
@@ -232,7 +233,7 @@ def _scattered(scene: Scene, geometry: TraceGeometry, instance: NDArray, triangl
         normals = scene.meshes[mesh.source].normals
         if normals is not None:
             smooth = np.einsum("nk,nkc->nc", barycentric[of], normals[mesh.triangles[triangle[of]]])
-            n[of] = unit(smooth @ normal_matrix(scene.instances[placed.source].transform).T)
+            n[of] = unit_vectors(smooth @ normal_matrix(scene.instances[placed.source].transform).T)
     is_inside = (normal * direction).sum(axis=1) > 0
     n = np.where(is_inside[:, None], -n, n)
     # Facets with the density of GGX: Walter et al. 2007, "Microfacet Models for Refraction", equation 35
@@ -248,18 +249,13 @@ def _scattered(scene: Scene, geometry: TraceGeometry, instance: NDArray, triangl
     s, p = (eta * c - t) / np.maximum(eta * c + t, 1e-30), (c - eta * t) / np.maximum(c + eta * t, 1e-30)
     passes = is_glass & (squared > 0) & (rng.random(count) >= 0.5 * (s**2 + p**2))
     refracted = eta[:, None] * direction + (eta * c - t)[:, None] * h
-    return unit(np.where(passes[:, None], refracted, direction + 2 * c[:, None] * h))
+    return unit_vectors(np.where(passes[:, None], refracted, direction + 2 * c[:, None] * h))
 
 
 def _disk(rng: np.random.Generator) -> NDArray[np.float64]:
     """Uniform points of the unit disk, (PHOTONS, 2)."""
     r, phi = np.sqrt(rng.random(PHOTONS)), 2 * np.pi * rng.random(PHOTONS)
     return np.stack([r * np.cos(phi), r * np.sin(phi)], axis=1)
-
-
-def unit(v: NDArray) -> NDArray[np.float64]:
-    """Unit vectors, (N, 3)."""
-    return v / np.maximum(np.linalg.norm(v, axis=1, keepdims=True), 1e-30)
 
 
 def basis(n: NDArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

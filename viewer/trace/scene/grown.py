@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.unit_vectors import unit_vectors
 from .geometry import TraceMesh
 
 _MOST = 4.0
@@ -31,7 +32,7 @@ def grown(mesh: TraceMesh, transform: NDArray[np.float64], is_mirrored: bool, di
     out = np.zeros_like(points)
     for k in range(3):
         np.add.at(out, corners[:, k], normals * _angle(edges[:, k], -edges[:, k - 1])[:, None])
-    out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-30)
+    out = unit_vectors(out)
     least = np.ones(len(points))  # cosine between the way of a corner and the normals of its faces
     for k in range(3):
         np.minimum.at(least, corners[:, k], np.einsum("ij,ij->i", out[corners[:, k]], normals))

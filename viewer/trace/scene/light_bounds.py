@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.color import LUMINANCE
+from ...scene.unit_vectors import octahedron
 from ..layout import (
     LIGHT_COSINE_STEPS,
     LIGHT_FLAG_SHIFT,
@@ -136,7 +137,7 @@ def bounds_texels(bounds: LightBounds, links: NDArray[np.uint32]) -> NDArray[np.
     slack = np.abs(bounds.center - center).sum(axis=1) + 1e-6 * bounds.radius
     texels[:, 0, 3] = np.minimum(bounds.radius + slack, 3e37).astype(np.float32).view(np.uint32)
     texels[:, 1, 0] = bounds.intensity.astype(np.float32).view(np.uint32)
-    axis = np.round((_octahedron(bounds.axis) + 1) * 32767.0).astype(np.uint32)
+    axis = np.round((octahedron(bounds.axis) + 1) * 32767.0).astype(np.uint32)
     texels[:, 1, 1] = axis[:, 0] | axis[:, 1] << 16
     # Rounded down by at least 1.5 steps, which is more than the axis and the shader's cosines are off.
     cosine = np.floor((np.cos(bounds.spread) + 1) / 2 * LIGHT_COSINE_STEPS - 1.5).clip(0)
@@ -146,12 +147,6 @@ def bounds_texels(bounds: LightBounds, links: NDArray[np.uint32]) -> NDArray[np.
     texels[:, 1, 2] = cosine.astype(np.uint32) | flags | reach.astype(np.uint32) << 16
     texels[:, 1, 3] = links
     return texels.reshape(-1, 4)
-
-
-def _octahedron(d: NDArray) -> NDArray:
-    """As shaders/sample/octahedron.glsl, (N, 2) in [-1, 1]."""
-    p = d[:, :2] / np.abs(d).sum(axis=1, keepdims=True)
-    return np.where(d[:, 2:] < 0, (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1, -1), p)
 
 
 def _unit(v: NDArray) -> NDArray:
