@@ -43,44 +43,24 @@ TELL_ERROR_S = 5.0
 MAX_SPP = 1 << 16
 """The error of a float32 sum of so many samples is at most 0.4 %, even if all are rounded in the same direction."""
 
-RANGES = {
-    "exposure": Range(-MAX_EXPOSURE, MAX_EXPOSURE),
-    "spp": Range(1, MAX_SPP, is_whole=True),
-    "time_budget": Range(0.01, 1e6),
-    "error": Range(1e-5, 1.0),
-    "seed": Range(0, (1 << 32) - 1, is_whole=True),
-    "bounces": Range(1, 255, is_whole=True),
-    "light_radius": Range(0.0, 1e9),
-    "photons": Range(1, MAX_SPP, is_whole=True),
-    "clamp": Range(0.0, 1e9),
-    "background_blur": Range(0.0, 90.0),
-    "volume_density": Range(0.0, 1e18),
-    "volume_albedo": Several(0.0, 1.0),
-    "volume_g": Range(-0.99, 0.99),
-    "volume_droplets": Range(5.0, 50.0, or_zero=True),
-    "volume_emission": Several(0.0, 1e9),
-    "fog": Range(0.0, 1e18),
-    "fog_albedo": Several(0.0, 1.0),
-    "fog_g": Range(-0.99, 0.99),
-    "fog_droplets": Range(5.0, 50.0, or_zero=True),
-    "fog_height": Range(0.0, 1e18),
-    "curve_radius": Range(0.0, 1e9),
-    "hair_melanin": Several(0.0, 1e3, names="EU,PHEO", or_none=True),
-    "hair_color": Several(0.0, 1.0, or_none=True),
-    "hair_absorption": Several(0.0, 1e4, or_none=True),
-    "hair_roughness": Several(0.0, 1.0, names="BM,BN"),
-    "hair_tilt": Range(-45.0, 45.0),
-    "hair_ior": Range(1.0, 3.0),
-    "yarn_plies": Range(1, 8, is_whole=True, or_none=True),
-    "yarn_fibres": Range(1, 4096, is_whole=True, or_none=True),
-    "yarn_twist": Range(-60.0, 60.0, or_none=True),
-    "yarn_hairs": Range(0.0, 100.0, or_none=True),
-    "weave": WeaveName(),
-}
+_ALL: tuple[Mode, ...] = get_args(Mode)
+_PBR: tuple[Mode, ...] = ("pbr",)
+_PHONG: tuple[Mode, ...] = ("phong",)
+_PATH: tuple[Mode, ...] = ("path",)
+_REAL_TIME: tuple[Mode, ...] = ("pbr", "phong")
+_PHYSICAL: tuple[Mode, ...] = ("pbr", "path")
+
+_Value = str | float | tuple[float, ...] | None
 
 
-def _option(default: str | float | tuple[float, ...] | None, meaning: str) -> Any:
-    return field(default=default, metadata={"meaning": meaning})
+def _option(default: _Value, meaning: str, values: Range | None = None, modes: tuple[Mode, ...] = _ALL) -> Any:
+    """A setting of `--set`: its meaning, its values where it has no choices, and the modes that use it."""
+    return field(default=default, metadata={"meaning": meaning, "values": values, "modes": modes})
+
+
+def _own_option(default: _Value, values: Range | None = None, modes: tuple[Mode, ...] = _ALL) -> Any:
+    """Likewise a setting that is not in `--set`, but has an option of its own."""
+    return field(default=default, metadata={"values": values, "modes": modes})
 
 
 @dataclass(frozen=True)
@@ -92,133 +72,158 @@ class Settings:
     """The environment, nothing (alpha 0), or a colour in linear Rec. 709.
 
     Exposure and tone map do not change a background colour."""
-    exposure: float = 0.0
+    exposure: float = _own_option(0.0, Range(-MAX_EXPOSURE, MAX_EXPOSURE))
     """In EV: radiance is multiplied by 2**exposure before the tone map."""
     tonemap: Tonemap = "neutral"
     ground: Literal["off", "shadow"] = "off"
     """Shadow: the shadow of the model on the ground below it darkens what is behind."""
 
     # For mode path, which stops when the first of spp, time_budget and error is reached; if none is given, at 64 spp.
-    spp: int | None = None
+    spp: int | None = _own_option(None, Range(1, MAX_SPP, is_whole=True), modes=_PATH)
     """Samples per pixel. If a time budget or error is given, the most samples per pixel, on average."""
-    time_budget: float | None = None
+    time_budget: float | None = _own_option(None, Range(0.01, 1e6), modes=_PATH)
     """In seconds, for one picture, including its preparation."""
-    error: float | None = None
+    error: float | None = _own_option(None, Range(1e-5, 1.0), modes=_PATH)
     """The relative error to reach, which is estimated from the samples."""
-    seed: int = 0
+    seed: int = _own_option(0, Range(0, (1 << 32) - 1, is_whole=True), modes=_PATH)
     """The seed of the random numbers."""
-    denoise: Denoise = "off"
+    denoise: Denoise = _own_option("off", modes=_PATH)
 
     # --set
-    ndf: Ndf = _option("ggx", "distribution of microfacet normals, D")
+    ndf: Ndf = _option("ggx", "distribution of microfacet normals, D", modes=_PHYSICAL)
     masking: Masking = _option(
-        "smith", "masking and shadowing of microfacets, G; smith: height-correlated")
-    fresnel: Literal["schlick", "exact"] = _option("schlick", "Fresnel reflectance, F")
+        "smith", "masking and shadowing of microfacets, G; smith: height-correlated", modes=_PHYSICAL)
+    fresnel: Literal["schlick", "exact"] = _option("schlick", "Fresnel reflectance, F", modes=_PHYSICAL)
     multiscatter: Literal["on", "off"] = _option(
-        "on", "energy compensation for multiple scattering between microfacets")
+        "on", "energy compensation for multiple scattering between microfacets", modes=_PHYSICAL)
     sheen: Literal["charlie", "zeltner"] = _option(
         "charlie", "lobe of the fibres of a sheen; charlie: that of KHR_materials_sheen; zeltner: with light that is "
-        "scattered several times between them")
+        "scattered several times between them", modes=_PHYSICAL)
     weave: str = _option(
         "off", "show the model, or one of its materials, as woven cloth, laid out by the texture coordinates: plain, "
-        "twill, satin, denim, or a weave of your own")
+        "twill, satin, denim, or a weave of your own", WeaveName(), modes=_PHYSICAL)
     lobes: Lobes = _option("all", "show one contribution alone")
     show: Show = _option(
         "shaded", "a view for teaching and debugging: in place of the shaded picture one quantity of the surfaces, "
         "without exposure and tone map; overdraw: the number of fragments drawn in each pixel; wireframe: the shaded "
-        "picture with the edges of triangles (docs/views.md)")
+        "picture with the edges of triangles (docs/views.md)", modes=_REAL_TIME)
     grid: Literal["off", "on"] = _option(
         "off", "a grid on the ground under the model, whose lines are a power of ten apart, and the axes of the world: "
-        "x red, y green, z blue")
-    phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
-    shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
+        "x red, y green, z blue", modes=_REAL_TIME)
+    phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong", modes=_PHONG)
+    shadows: Literal["on", "off"] = _option("on", "shadows of the lights", modes=_REAL_TIME)
     environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(
-        "off", "shadows of the environment, from so many directional lights sampled from it")
+        "off", "shadows of the environment, from so many directional lights sampled from it", modes=_PBR)
     ambient_occlusion: Literal["off", "gtao"] = _option(
-        "off", "ambient occlusion computed from the depth buffer; no effect together with environment-shadows")
+        "off", "ambient occlusion computed from the depth buffer; no effect together with environment-shadows",
+        modes=_PBR)
     indirect: Literal["off", "estimated", "baked"] = _option(
         "off", "indirect light from other surfaces; estimated: what hides a light of environment-shadows reflects what "
-        "the mean of all surfaces would; baked: path traced once at the vertices")
+        "the mean of all surfaces would; baked: path traced once at the vertices", modes=_PBR)
     reflections: Literal["environment", "traced"] = _option(
-        "environment", "what is reflected; traced: also the model itself, by one ray from each shaded point")
+        "environment", "what is reflected; traced: also the model itself, by one ray from each shaded point",
+        modes=_PBR)
     refraction: Literal["screen", "traced"] = _option(
-        "screen", "refraction in solid glass: in screen space, or traced by two paths from each shaded point")
+        "screen", "refraction in solid glass: in screen space, or traced by two paths from each shaded point",
+        modes=_PBR)
     subsurface: Literal["off", "slab", "screen"] = _option(
         "screen", "light that solids scatter inside; slab: at each point alone, by the thickness behind it; screen: "
-        "also spread over the surface, by a diffusion profile in screen space")
+        "also spread over the surface, by a diffusion profile in screen space", modes=_PBR)
     specular_aa: Literal["on", "off"] = _option(
-        "off", "specular antialiasing: widen highlights smaller than a pixel, which flicker less but are less exact")
+        "off", "specular antialiasing: widen highlights smaller than a pixel, which flicker less but are less exact",
+        modes=_PBR)
     background_blur: float = _option(
-        0.0, "blur of the environment as background: standard deviation of a Gaussian in degrees; 0: none")
+        0.0, "blur of the environment as background: standard deviation of a Gaussian in degrees; 0: none",
+        Range(0.0, 90.0))
     volume_density: float = _option(
-        1.0, "volume files: extinction coefficient per unit of length where the file's density is 1")
+        1.0, "volume files: extinction coefficient per unit of length where the file's density is 1", Range(0.0, 1e18))
     volume_albedo: tuple[float, float, float] = _option(
-        (0.9, 0.9, 0.9), "volume files: single-scattering albedo, the share of the extinction that is scattering")
+        (0.9, 0.9, 0.9), "volume files: single-scattering albedo, the share of the extinction that is scattering",
+        Several(0.0, 1.0))
     volume_g: float = _option(
-        0.0, "volume files: mean cosine of the Henyey-Greenstein phase function; above 0: forwards")
+        0.0, "volume files: mean cosine of the Henyey-Greenstein phase function; above 0: forwards", Range(-0.99, 0.99))
     volume_droplets: float = _option(
         0.0, "volume files: diameter of droplets of water in micrometres, 5 to 50, whose phase function takes the "
-        "place of that of volume-g; 0: none")
+        "place of that of volume-g; 0: none", Range(5.0, 50.0, or_zero=True))
     volume_emission: tuple[float, float, float] = _option(
-        (0.0, 0.0, 0.0), "volume files: emitted radiance per unit of length where the file's density is 1")
-    fog: float = _option(0.0, "fog around the scene: extinction coefficient per unit of length; 0: none")
+        (0.0, 0.0, 0.0), "volume files: emitted radiance per unit of length where the file's density is 1",
+        Several(0.0, 1e9))
+    fog: float = _option(
+        0.0, "fog around the scene: extinction coefficient per unit of length; 0: none", Range(0.0, 1e18))
     fog_albedo: tuple[float, float, float] = _option(
-        (1.0, 1.0, 1.0), "single-scattering albedo of the fog: the share of the extinction that is scattering")
-    fog_g: float = _option(0.0, "mean cosine of the fog's Henyey-Greenstein phase function; above 0: forwards")
+        (1.0, 1.0, 1.0), "single-scattering albedo of the fog: the share of the extinction that is scattering",
+        Several(0.0, 1.0))
+    fog_g: float = _option(
+        0.0, "mean cosine of the fog's Henyey-Greenstein phase function; above 0: forwards", Range(-0.99, 0.99))
     fog_droplets: float = _option(
         0.0, "diameter of droplets of water in the fog in micrometres, 5 to 50, whose phase function takes the place "
-        "of that of fog-g; 0: none")
+        "of that of fog-g; 0: none", Range(5.0, 50.0, or_zero=True))
     fog_height: float = _option(
         0.0, "scale height of the fog, which thins out by a factor of e over this length above the lowest point of the "
-        "scene; 0: it does not")
+        "scene; 0: it does not", Range(0.0, 1e18))
     curve_radius: float = _option(
-        0.0, "radius of all curves, in the scene's unit of length; 0: those of the file")
+        0.0, "radius of all curves, in the scene's unit of length; 0: those of the file", Range(0.0, 1e9))
     hair_melanin: tuple[float, float] | None = _option(
         None, "curves: eumelanin (black, brown) and pheomelanin (yellow, red) of hair; none: the colours of the file, "
-        "or 1.3,0 if it has none")
+        "or 1.3,0 if it has none", Several(0.0, 1e3, names="EU,PHEO", or_none=True))
     hair_color: tuple[float, float, float] | None = _option(
-        None, "curves: the colour of many fibres together, in place of the melanin")
+        None, "curves: the colour of many fibres together, in place of the melanin", Several(0.0, 1.0, or_none=True))
     hair_absorption: tuple[float, float, float] | None = _option(
-        None, "curves: absorption coefficient of a fibre whose radius is 1, in place of the melanin")
+        None, "curves: absorption coefficient of a fibre whose radius is 1, in place of the melanin",
+        Several(0.0, 1e4, or_none=True))
     hair_roughness: tuple[float, float] = _option(
-        (0.3, 0.3), "curves: longitudinal and azimuthal roughness of the fibres")
+        (0.3, 0.3), "curves: longitudinal and azimuthal roughness of the fibres", Several(0.0, 1.0, names="BM,BN"))
     hair_tilt: float = _option(
         2.0, "curves: tilt of the fibres' scales in degrees; above 0, the first highlight leans to the tip, as in "
-        "Mitsuba and pbrt; below 0 to the root, as on hair")
+        "Mitsuba and pbrt; below 0 to the root, as on hair", Range(-45.0, 45.0), modes=_PHYSICAL)
     hair_scattering: Literal["single", "multiple"] = _option(
-        "multiple", "curves: light scattered once by fibres, or also from fibre to fibre, by a diffusion equation")
-    hair_ior: float = _option(1.55, "curves: index of refraction of the fibres")
+        "multiple", "curves: light scattered once by fibres, or also from fibre to fibre, by a diffusion equation",
+        modes=_PBR)
+    hair_ior: float = _option(1.55, "curves: index of refraction of the fibres", Range(1.0, 3.0))
     yarn: Literal["off", "cotton", "wool", "silk"] = _option(
-        "off", "curves: show each as a yarn of plies and fibres, whose radius is that of the curve")
-    yarn_plies: int | None = _option(None, "number of plies of a yarn; none: that of its kind")
-    yarn_fibres: int | None = _option(None, "number of fibres of a ply; none: that of the kind of yarn")
+        "off", "curves: show each as a yarn of plies and fibres, whose radius is that of the curve", modes=_PHYSICAL)
+    yarn_plies: int | None = _option(
+        None, "number of plies of a yarn; none: that of its kind",
+        Range(1, 8, is_whole=True, or_none=True), modes=_PHYSICAL)
+    yarn_fibres: int | None = _option(
+        None, "number of fibres of a ply; none: that of the kind of yarn",
+        Range(1, 4096, is_whole=True, or_none=True), modes=_PHYSICAL)
     yarn_twist: float | None = _option(
-        None, "angle between plies and yarn in degrees; above 0, a right-handed screw; none: that of the kind of yarn")
+        None, "angle between plies and yarn in degrees; above 0, a right-handed screw; none: that of the kind of yarn",
+        Range(-60.0, 60.0, or_none=True), modes=_PHYSICAL)
     yarn_hairs: float | None = _option(
-        None, "number of fibres that leave a yarn on each radius of its length; none: that of its kind")
+        None, "number of fibres that leave a yarn on each radius of its length; none: that of its kind",
+        Range(0.0, 100.0, or_none=True), modes=_PATH)
     media_steps: Literal["auto", "28", "56", "112", "224"] = _option(
-        "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders")
+        "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders",
+        modes=_REAL_TIME)
     media_rays: Literal["auto", "all", "quarter", "ninth", "sixteenth"] = _option(
         "auto", "the pixels that have a ray through fog and volumes of their own; auto: a quarter, but a sixteenth "
-        "while the camera moves and the CPU renders")
+        "while the camera moves and the CPU renders", modes=_REAL_TIME)
     media_scattering: Literal["single", "multiple"] = _option(
-        "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation")
+        "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation",
+        modes=_REAL_TIME)
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "deferred-4", "ssaa-4", "ssaa-9", "ssaa-16"] = (
         _option("auto", "samples per pixel, which are shaded once for each triangle (msaa), for at most two surfaces "
                 "(deferred), or each (ssaa); auto: msaa-4, and where the CPU renders deferred-4 from 512x512 pixels "
-                "on, but none while the camera moves, and ssaa-4 for curves, woven cloth and indirect=baked"))
+                "on, but none while the camera moves, and ssaa-4 for curves, woven cloth and indirect=baked",
+                modes=_REAL_TIME))
     plan: Literal["needed", "everything"] = _option(
         "needed", "everything: compile and upload also what is not needed, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option(
-        "mis", "mode path: sample the BSDF, the lights, or both (mis: multiple importance sampling)")
-    bounces: int = _option(32, "mode path: the maximum number of reflections and refractions of a path")
-    light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
+        "mis", "mode path: sample the BSDF, the lights, or both (mis: multiple importance sampling)", modes=_PATH)
+    bounces: int = _option(
+        32, "mode path: the maximum number of reflections and refractions of a path",
+        Range(1, 255, is_whole=True), modes=_PATH)
+    light_radius: float = _option(
+        0.0, "mode path: radius of point and spot lights, in the scene's unit", Range(0.0, 1e9), modes=_PATH)
     caustics: Literal["off", "photons"] = _option(
         "off", "light from point, spot and directional lights that smooth glass or a smooth mirror scatters first, by "
-        "photons from the lights; in mode path as many as camera paths")
-    photons: int = _option(16, "mode pbr: photons a pixel, for caustics")
+        "photons from the lights; in mode path as many as camera paths", modes=_PHYSICAL)
+    photons: int = _option(16, "mode pbr: photons a pixel, for caustics", Range(1, MAX_SPP, is_whole=True), modes=_PBR)
     clamp: float = _option(
-        0.0, "mode path: maximum luminance of an indirect sample, which removes bright noise but loses light; 0: none")
+        0.0, "mode path: maximum luminance of an indirect sample, which removes bright noise but loses light; 0: none",
+        Range(0.0, 1e9), modes=_PATH)
 
     def __post_init__(self) -> None:
         given = [name for name in HAIR_COLORS if getattr(self, name) is not None]
@@ -252,7 +257,7 @@ class Settings:
         unused = [f.name for f in fields(self) if f.name in ignored_names and getattr(self, f.name) != f.default]
         if unused:
             verb = "has" if len(unused) == 1 else "have"
-            modes = [mode for mode in get_args(Mode) if all(mode in _USED_BY[name] for name in unused)]
+            modes = [mode for mode in get_args(Mode) if not set(unused) & set(ignored(mode))]
             where = f", only in mode{'s' * (len(modes) > 1)} {' and '.join(modes)}" if modes else ""
             raise UsageError(f"{' and '.join(unused)} {verb} no effect in mode {self.mode}{where}")
 
@@ -376,28 +381,14 @@ HAIR_COLORS = ("hair_melanin", "hair_color", "hair_absorption")
 """The settings of which one may say what colour hair has."""
 STOPPING = ("spp", "time_budget", "error")
 """The settings that end a path-traced picture."""
-_USED_BY: dict[str, tuple[Mode, ...]] = {
-    **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen", "weave"), ("pbr", "path")),
-    "phong": ("phong",),
-    **dict.fromkeys(("show", "grid"), ("pbr", "phong")),
-    "hair_tilt": ("pbr", "path"),
-    "hair_scattering": ("pbr",),
-    **dict.fromkeys(("yarn", "yarn_plies", "yarn_fibres", "yarn_twist"), ("pbr", "path")),
-    "yarn_hairs": ("path",),
-    **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
-    **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
-    **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",
-                     "subsurface", "specular_aa"), ("pbr",)),
-    **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),
-    "caustics": ("pbr", "path"),
-    "photons": ("pbr",),
-}
-"""The modes that use a setting, for the settings that not all modes use."""
+RANGES: dict[str, Range] = {f.name: f.metadata["values"] for f in fields(Settings) if f.metadata.get("values")}
+"""The values of the settings without a list of choices."""
 
 
+@cache
 def ignored(*modes: Mode) -> tuple[str, ...]:
     """The settings that none of `modes` uses."""
-    return tuple(name for name, users in _USED_BY.items() if not set(users) & set(modes))
+    return tuple(f.name for f in fields(Settings) if not set(f.metadata.get("modes", _ALL)) & set(modes))
 
 
 def setting_name(assignment: str) -> str:
