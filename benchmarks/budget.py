@@ -38,10 +38,10 @@ from typing import Any
 import numpy as np
 
 import viewer
-from viewer.api import shared_renderer, shared_tracer
 from viewer.budget.climb import climb
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
+from viewer.shared import shared_renderer, shared_tracer
 
 from . import corpus, tracing
 from .against_paths import REFERENCES, reference_of, relative_errors

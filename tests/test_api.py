@@ -17,8 +17,8 @@ from needs import needs
 from waiting import wait_until
 
 import viewer
-from viewer import api
 from viewer.quality import VARIABLE, Quality
+from viewer.shared import shared_renderer
 
 MODEL = SCENES / "unlit.glb"
 SIZE = (32, 24)
@@ -111,7 +111,7 @@ def test_each_thread_renders_with_a_context_that_goes_with_it(scene):
 
     def work():
         pictures.append(viewer.render(scene, SIZE).srgb)
-        contexts.append(api.shared_renderer().context)
+        contexts.append(shared_renderer().context)
 
     for _ in range(2):
         threads = [threading.Thread(target=work) for _ in range(2)]
@@ -120,7 +120,7 @@ def test_each_thread_renders_with_a_context_that_goes_with_it(scene):
         for thread in threads:
             thread.join()
     assert len(pictures) == 4 and all(np.array_equal(picture, expected) for picture in pictures)
-    own = api.shared_renderer().context
+    own = shared_renderer().context
     assert len({id(context) for context in [own, *contexts]}) == 5
     # A thread may be joined a moment before what it held is gone.
     wait_until(lambda: all(isinstance(context.gl.mglo, InvalidObject) for context in contexts))
