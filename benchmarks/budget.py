@@ -8,9 +8,9 @@ size: the driver's cache of shaders is empty, too), and by the Python API on a s
 A budget counts if the first picture of the raster, the plainest, was ready in it.
 
 The errors are against independent path-traced references at the smaller size, relative, of all pixels: of what came
-out; of each rung of the raster that ten seconds have made ready and that takes no longer than the budget; and of paths
-alone in that time, as they are and filtered. `lost` is how many times the error of the best of those it is. On average
-the references' noise adds nothing.
+out; of each candidate of the raster that ten seconds have made ready and that takes no longer than the budget; and of
+paths alone in that time, as they are and filtered. `lost` is how many times the error of the best of those it is. On
+average the references' noise adds nothing.
 `--only ready` leaves the other kinds out. FILE.md gets the tables; Ctrl-C ends it with what there is. All ten models
 should take about 35 minutes on two quiet cores. A part of it that says most, of all ten, should take ten:
 
@@ -38,7 +38,7 @@ from typing import Any
 import numpy as np
 
 import viewer
-from viewer.budget.climb import climb
+from viewer.budget.candidates import candidates_for
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 from viewer.shared import shared_renderer, shared_tracer
@@ -100,10 +100,10 @@ def _measure(name: str, options: argparse.Namespace, rows: list[Row]) -> None:
 
 
 def _warm(scene: Scene, size: int) -> set[str]:
-    """Let all be compiled and known that a scene in use has. Returns the rungs of the raster that are ready then."""
+    """Make the scene ready, as one in use is. Returns the candidates of the raster that are ready then."""
     made = [viewer.render(scene, (size, size), time_budget=seconds) for seconds in (10.0, 3.0, 0.3, 0.1)]
-    rungs: list[dict[str, Any]] = [rung for image in made for rung in image.stats["choice"]["candidates"]]  # type: ignore
-    return {rung["method"] for rung in rungs if rung["seconds"] is not None}
+    drawn: list[dict[str, Any]] = [one for image in made for one in image.stats["choice"]["candidates"]]  # type: ignore
+    return {one["method"] for one in drawn if one["seconds"] is not None}
 
 
 class _Single:
@@ -113,23 +113,23 @@ class _Single:
         self._scene, self._size = scene, (size, size)
         camera, settings = scene.framing_camera(1.0), Settings(mode="path")
         self._reference = reference_of(shared_tracer(), scene, camera, settings, size, spp)
-        self._rungs: dict[str, tuple[float, float]] = {}
-        for title, settings in climb(scene, Settings()):
+        self._candidates: dict[str, tuple[float, float]] = {}
+        for title, settings in candidates_for(scene, Settings()):
             changed = {name: value for name, value in vars(settings).items() if value != getattr(Settings(), name)}
             seconds = []
             for _ in range(3):
                 started = time.perf_counter()
                 picture = viewer.render(scene, self._size, **changed)
                 seconds.append(time.perf_counter() - started)
-            self._rungs[title] = min(seconds), self.error(picture)
+            self._candidates[title] = min(seconds), self.error(picture)
 
     def error(self, image: viewer.Image) -> float:
         squared = relative_errors(np.nan_to_num(tracing.radiance(image)), self._reference)
         return math.sqrt(max(float(squared.mean()), LEAST**2))
 
     def within(self, budget: float, ready: set[str]) -> dict[str, float]:
-        """The errors of all that there is time for, of the rungs that are ready."""
-        found = {title: error for title, (seconds, error) in self._rungs.items()
+        """The errors of all that there is time for, of the candidates that are ready."""
+        found = {title: error for title, (seconds, error) in self._candidates.items()
                  if title in ready and seconds <= budget}
         for denoise in ("off", "fast"):
             started = time.perf_counter()
@@ -167,7 +167,7 @@ def _ready(scene: Scene, size: int, budget: float, single: _Single | None, ready
 
 
 def _facts(choice: dict[str, Any], budget: float) -> Row:
-    """`possible`: the first rung that was drawn was ready in time."""
+    """`possible`: the first candidate that was drawn was ready in time."""
     drawn = [one["seconds"] for one in choice["candidates"] if one["seconds"] is not None]
     return {"ratio": choice["seconds"] / budget, "method": choice["method"], "spp": choice["spp"],
             "unmet": choice["unmet"], "possible": drawn[0] <= budget}

@@ -157,13 +157,13 @@ def test_the_time_is_kept_and_used(make, speed):
             started = machine.now
             _, choice = make(machine, chooser, time_budget=budget)
             assert choice.seconds == pytest.approx(machine.now - started)
-            first = next(rung["seconds"] for rung in choice.rungs if rung["seconds"] is not None)
+            first = next(candidate["seconds"] for candidate in choice.candidates if candidate["seconds"] is not None)
             assert choice.seconds <= max(1.1 * budget, first + machine.frame)
             if choice.told is not None:
                 assert choice.seconds > 0.5 * budget
 
 
-def test_more_time_climbs_and_then_traces(make):
+def test_more_time_improves_and_then_traces(make):
     methods = [make(Machine(), time_budget=budget)[1].method for budget in (0.1, 0.5, 1.2, 20.0)]
     assert methods[0] == "image-based light, no antialiasing" and methods[1] == "image-based light, SSAA 4"
     assert methods[2].startswith("shadows of the environment, ") and methods[3].endswith(", mixed with paths")
@@ -179,7 +179,7 @@ def test_what_comes_out_is_what_is_told(make):
     assert min(choice.compared.values()) == choice.measured and len(choice.compared) == 3
 
 
-def test_a_scene_that_was_drawn_begins_with_the_best_rung_there_is_time_for(make):
+def test_a_scene_that_was_drawn_begins_with_the_best_candidate_there_is_time_for(make):
     machine = Machine(sample=5.0)
     chooser = Chooser(None, Raster(machine), Paths(machine), machine.clock)
     make(machine, chooser, time_budget=5)
@@ -194,13 +194,13 @@ def test_maps_that_are_held_are_used_with_fewer_points(make):
     machine = Machine(sample=5.0)
     chooser = Chooser(None, Raster(machine), Paths(machine), machine.clock)
     _, choice = make(machine, chooser, time_budget=5)
-    held, = (rung for rung in choice.rungs if rung["method"].endswith("64 lights, no antialiasing"))
+    held, = (candidate for candidate in choice.candidates if candidate["method"].endswith("64 lights, no antialiasing"))
     assert "SSAA 9" in choice.method and held["seconds"] is None
     _, choice = make(machine, chooser, time_budget=0.075)
     assert choice.method == held["method"] and choice.seconds < 0.075
 
 
-def test_few_paths_do_not_keep_the_raster_from_climbing(make):
+def test_few_paths_do_not_keep_the_raster_from_improving(make):
     """There is time for four samples a pixel, which bring less than shadows of the environment."""
     machine = Machine()
     chooser = Chooser(None, Raster(machine), Paths(machine), machine.clock)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from shapes import plate, scene
 
-from viewer.budget.climb import climb
+from viewer.budget.candidates import candidates_for
 from viewer.budget.pace import ALIKE, GUESSED, LOOKUP, LOOKUPS, MAP, RESOLVE, SAMPLE, SURE, Pace, work
 from viewer.scene.environment_files import load_environment
 from viewer.scene.light import Light
@@ -102,19 +102,19 @@ def test_paths_are_prepared_once(pace, square):
 
 def test_what_is_set_stays(square):
     lit = replace(square, environment=load_environment("furnace"))
-    titles = [title for title, _ in climb(lit, Settings())]
+    titles = [title for title, _ in candidates_for(lit, Settings())]
     assert titles[0] == "image-based light, no antialiasing" and titles[-1] == \
         "shadows of the environment, 64 lights, SSAA 9" and len(titles) == 6
-    fixed = climb(lit, Settings(antialias="msaa-2"))
+    fixed = candidates_for(lit, Settings(antialias="msaa-2"))
     assert {changed.antialias for _, changed in fixed} == {"msaa-2"}
     assert [changed.environment_shadows for _, changed in fixed] == ["off", "16", "64"]
-    fixed = climb(lit, Settings(environment_shadows="256"))
+    fixed = candidates_for(lit, Settings(environment_shadows="256"))
     assert [changed.antialias for _, changed in fixed] == ["none", "ssaa-4", "ssaa-9"]
     assert {changed.environment_shadows for _, changed in fixed} == {"256"}
 
 
 def test_without_an_environment_only_antialiasing_changes(square):
     lamp = replace(square, lights=(Light.from_angles(0.6, 0.9, 3.0),))
-    assert climb(lamp, Settings()) == [
+    assert candidates_for(lamp, Settings()) == [
         ("raster, no antialiasing", PLAIN), ("raster, SSAA 4", FINE),
         ("raster, SSAA 9", Settings(antialias="ssaa-9"))]

@@ -28,7 +28,7 @@ class Choice:
     """What the paths say of the picture; None if there were not enough."""
     error: float | None = None
     """Relative, of a picture of paths alone, as they estimate it."""
-    rungs: list[dict[str, Any]] = field(default_factory=list)
+    candidates: list[dict[str, Any]] = field(default_factory=list)
     """Of the raster: "method", "expected_s" and the "seconds" it took, None if it was not drawn."""
     compared: dict[str, float] = field(default_factory=dict)
     """Relative errors of all the pictures there were to choose from, by their methods."""
@@ -61,7 +61,7 @@ class Choice:
                 "error_low": self.told and self.told.low**0.5, "error_high": self.told and self.told.high**0.5,
                 "error_is": "not measured" if self.measured is None else "measured",
                 "time_budget": self.budget, "error_target": self.target, "unmet": self.unmet or None,
-                "candidates": self.rungs, "unfinished": self.unfinished,
+                "candidates": self.candidates, "unfinished": self.unfinished,
                 "compared": [{"method": method, "error": error} for method, error in self.compared.items()]}
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""One picture in the making: rungs of the raster, then paths, then what both together give."""
+"""Makes one picture: first candidates of the raster, then paths, and at last the best combination of both."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from ..scene.scene import Scene
 from ..settings import MAX_SPP, Settings
 from ..trace.paths.run import Report
 from ..trace.tracer import Tracer
+from .candidates import candidates_for
 from .choice import Choice
-from .climb import climb
 from .combine import Samples, Told, judged
 from .pace import SURE, Pace, maps
 
@@ -40,7 +40,7 @@ ROUND = 8.0
 """Times the samples so far, of the next round, at most: few rounds are better, since it takes a while until the last
 paths of each picture have ended."""
 WORTH = 16
-"""Samples a pixel with which paths bring about as much as the rest of the ladder (benchmarks/results/mixture.md)."""
+"""Samples a pixel with which paths bring about as much as further candidates (benchmarks/results/mixture.md)."""
 
 
 class Making:
@@ -53,18 +53,19 @@ class Making:
         self._end = math.inf if choice.budget is None else started + choice.budget
         self._reported = started
         self._radiance = np.zeros((size[1], size[0], 4), np.float32)
-        self._rung = -1
+        self._current = -1
 
     def image(self, raster: Settings, traced: Settings | None) -> Image:
         """`raster` and `traced` are the user's settings in modes pbr and path; without the latter paths only tell the
         error."""
         background = "none" if isinstance(raster.background, tuple) else raster.background
-        self._rungs = climb(self._scene, replace(raster, background=background))
-        self._choice.rungs = [{"method": title, "expected_s": None, "seconds": None} for title, _ in self._rungs]
+        self._candidates = candidates_for(self._scene, replace(raster, background=background))
+        self._choice.candidates = [{"method": title, "expected_s": None, "seconds": None}
+                                   for title, _ in self._candidates]
         self._pace.of(self._scene, self._size, self._renderer.holds(self._scene))
         self._draw(self._first())
         self._choice.ready = self._clock() - self._started
-        self._climb(traced is not None)
+        self._improve(traced is not None)
         groups = PathGroups(self._tracer, self._scene, self._camera,
                             replace(traced or path_settings(raster), background=background), self._size, GROUPS,
                             growth=ROUND, clock=self._clock)
@@ -73,7 +74,7 @@ class Making:
             if self._may_trace() and not self._wants_to_stop():
                 told = self._with_paths(groups, traced is not None)
             if told is None:
-                self._climb(False)
+                self._improve(False)
         finally:
             groups.end()
         return self._finished(raster, groups, told)
@@ -83,17 +84,17 @@ class Making:
         return self._end - self._clock()
 
     def _first(self) -> int:
-        """The best rung whose time is known, for a scene that was drawn before; else the first."""
-        known = [k for k, (_, settings) in enumerate(self._rungs)
+        """The best candidate whose time is known, for a scene that was drawn before; else the first."""
+        known = [k for k, (_, settings) in enumerate(self._candidates)
                  if self._pace.knows(settings) and self._fits(self._pace.frame(settings))]
         return max(known, default=0)
 
     @property
     def _next(self) -> int | None:
-        """The rung to climb to: none with fewer shadow maps than there are, nor one that draws more than the next."""
-        count = [maps(settings) for _, settings in self._rungs]
-        return next((k for k in range(self._rung + 1, len(count)) if count[k] >= count[self._rung] and (
-            count[k] <= min(count[k:]) or self._pace.knows(self._rungs[k][1]))), None)
+        """The candidate to draw next: none with fewer shadow maps than there are, nor with more than a later one."""
+        count = [maps(settings) for _, settings in self._candidates]
+        return next((k for k in range(self._current + 1, len(count)) if count[k] >= count[self._current] and (
+            count[k] <= min(count[k:]) or self._pace.knows(self._candidates[k][1]))), None)
 
     def _fits(self, seconds: float, may_trace: bool = True) -> bool:
         """Whether there is time for it; and, if there is time for many paths, whether it leaves them most of it. To a
@@ -102,22 +103,22 @@ class Making:
             return 2 * seconds <= self._clock() - self._started and seconds <= self._left
         return 3 * seconds <= self._left or (seconds <= self._left and not (may_trace and self._may_trace(WORTH)))
 
-    def _climb(self, may_trace: bool) -> None:
-        while (rung := self._next) is not None and not self._wants_to_stop():
-            held, settings = self._rungs[self._rung][1], self._rungs[rung][1]
+    def _improve(self, may_trace: bool) -> None:
+        while (candidate := self._next) is not None and not self._wants_to_stop():
+            held, settings = self._candidates[self._current][1], self._candidates[candidate][1]
             if maps(settings) and self._pace.small is None and self._pace.frames[held] <= self._left:
                 width, height = (max(side // SMALL, 1) for side in self._size)
                 # The first makes a target of that size.
                 self._pace.small = min(self._drawn_in(held, (width, height)) for _ in range(2))
             seconds = self._pace.frame(settings)
-            self._choice.rungs[rung]["expected_s"] = seconds if math.isfinite(seconds) else None
+            self._choice.candidates[candidate]["expected_s"] = seconds if math.isfinite(seconds) else None
             if not self._fits(seconds, may_trace):
                 return
-            self._draw(rung)
+            self._draw(candidate)
 
-    def _draw(self, rung: int) -> None:
+    def _draw(self, candidate: int) -> None:
         """What was drawn is the raster's picture from now on."""
-        settings, is_new = self._rungs[rung][1], not self._renderer.holds(self._scene)
+        settings, is_new = self._candidates[candidate][1], not self._renderer.holds(self._scene)
         if is_new:
             self._renderer.expect(decode_ahead(self._scene, settings))
         before, textures = dict(self._renderer.times), self._renderer.texture_seconds
@@ -125,7 +126,7 @@ class Making:
         spent = {name: value - before.get(name, 0.0) for name, value in self._renderer.times.items()}
         self._pace.drawn(settings, seconds, spent.get(SHADOWS, 0.0))
         self._radiance = np.nan_to_num(self._renderer.read_radiance(), nan=0.0, posinf=0.0, neginf=0.0)
-        self._rung, self._choice.rungs[rung]["seconds"] = rung, seconds
+        self._current, self._choice.candidates[candidate]["seconds"] = candidate, seconds
         if is_new:
             self._pace.first, self._pace.textures = seconds, self._renderer.texture_seconds - textures
             # It has compiled what it drew, too. What a frame takes, the second one shows.
@@ -162,7 +163,7 @@ class Making:
 
     def _with_paths(self, groups: PathGroups, mixes: bool) -> dict[str, Told] | None:
         """Trace to the end of the time, or to the target; None if there was not enough time. Without `mixes` paths only
-        tell the error of the raster's picture, and no target is reached past the last rung."""
+        tell the error of the raster's picture, and after the last candidate a target is given up."""
         target, look = self._choice.target, float(GROUPS)
         while True:
             self._trace(groups, math.inf if target is None else look)
@@ -176,7 +177,7 @@ class Making:
             if target is None or best.high <= target**2 or is_hopeless or self._is_over(groups):
                 return told
             look = groups.samples * min(max(best.high / target**2, LEAST_GROWTH), MOST_GROWTH)
-            self._climb(mixes)
+            self._improve(mixes)
 
     def _is_over(self, groups: PathGroups) -> bool:
         return self._wants_to_stop() or self._left <= self._reserve or groups.samples >= MAX_SPP
@@ -208,7 +209,7 @@ class Making:
         self._report(fraction, spent * (1 / fraction - 1))
 
     def _finished(self, raster: Settings, groups: PathGroups, told: dict[str, Told] | None) -> Image:
-        choice, linear, title = self._choice, self._radiance, self._rungs[self._rung][0]
+        choice, linear, title = self._choice, self._radiance, self._candidates[self._current][0]
         stats: dict[str, object] = {"plan": self._renderer.plan.to_json() if self._renderer.plan else {}}
         choice.method = title
         if told is not None:

@@ -1,4 +1,4 @@
-"""The methods of the raster that a picture in a time is made by, one after the other."""
+"""The pictures of the raster that a time budget is spent on, one after the other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..settings import Settings
 
 HELD = Method(*SHADOWS, {"environment_shadows": "64", "antialias": "none"})
 """Is cheap as long as its shadow maps are there, from a picture before."""
-CLIMB = (
+CANDIDATES = (
     Method(PLAIN.name, PLAIN.title, {"antialias": "none"}),
     Method(PLAIN.name, PLAIN.title, {"antialias": "ssaa-4"}),
     HELD,
@@ -21,13 +21,12 @@ CLIMB = (
 small price, but for HELD. Supersampling needs no programs beyond those of the first; MSAA does, on Mesa."""
 
 
-def climb(scene: Scene, settings: Settings) -> list[tuple[str, Settings]]:
-    """The title and the settings of those of CLIMB that apply to `scene`. What the user has set stays: other settings
-    alone change."""
+def candidates_for(scene: Scene, settings: Settings) -> list[tuple[str, Settings]]:
+    """The title and the settings of those of CANDIDATES that apply to `scene`. What the user has set stays as it is."""
     default = Settings()
     is_lit = scene.environment is not None
     found: dict[Settings, str] = {}
-    for method in CLIMB:
+    for method in CANDIDATES:
         changes = {name: value for name, value in method.changes.items()
                    if getattr(settings, name) == getattr(default, name)
                    and (name != SHADOWS[0].replace("-", "_") or (is_lit and scene.instances))}
