@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..scene.light import Light
+from ..scene.light import KINDS, Light
 from ..scene.material import ANISOTROPY, TRANSMISSION, VOLUME
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -19,7 +19,6 @@ from .used import LAYERS, counted, has_layer
 
 _TILE_MB = 2048 * 2048 * 4 / 1e6
 ATTRIBUTE_BYTES = {"a_normal": 12, "a_tangent": 16, "a_color": 16, "a_uv0": 8, "a_uv1": 8}
-_KINDS = ("directional", "point", "spot")
 _GIVEN_UP = {
     "TRACED_REFRACTION": "traced refraction",
     "TRACED_REFLECTION": "traced reflections",
@@ -56,7 +55,7 @@ def left_out_lines(plan: Plan, scene: Scene, settings: Settings, lights: Sequenc
         lines.append(f"shadow maps: {reason}; saves {_TILE_MB:.0f} MB per tile")
     elif lost := sum(light.casts_shadow and k < 0 for light, k in zip(plan.lights, plan.shadow_layers, strict=True)):
         lines.append(f"shadow maps of {counted(lost, 'light')}: there is room for {MAX_SHADOW_LAYERS} tiles")
-    for kind in _KINDS:
+    for kind in KINDS:
         if plan.lights and not any(light.kind == kind for light in plan.lights):
             lines.append(f"code for {kind} lights: there are none")
     if draws and plan.environment and scene.environment is not None and not plan.has_visibility:

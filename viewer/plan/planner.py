@@ -13,7 +13,7 @@ from ..errors import UsageError
 from ..material.fold import without_constant_maps
 from ..material.use import DELTA_ALPHA, feature_switches, may_be_pane, metalness, supported, used_maps
 from ..scene.convex import is_convex
-from ..scene.light import Light
+from ..scene.light import KINDS, Light
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, Material
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -159,8 +159,7 @@ def ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
     bright = [light for light in lights if light.intensity * max(light.color) > 0]
     if len(bright) > MAX_LIGHTS:
         bright = sorted(bright, key=lambda light: -light.intensity * max(light.color))[:MAX_LIGHTS]
-    order = ("directional", "point", "spot")
-    return tuple(sorted(bright, key=lambda light: (order.index(light.kind), light.radius > 0)))
+    return tuple(sorted(bright, key=lambda light: (KINDS.index(light.kind), light.radius > 0)))
 
 
 def _has_indirect(scene: Scene, settings: Settings) -> bool:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 
-from ..scene.light import Light
+from ..scene.light import KINDS, Light
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
 from .model import GATHERED, NO_SUBSURFACE, Draw, Plan, Program
@@ -65,9 +65,9 @@ def attributes_of(switches: Mapping[str, int]) -> tuple[str, ...]:
 def include_everything(plan: Plan, scene: Scene) -> Plan:
     """A plan for the same picture in which all features are compiled, and all textures, buffers and bakes are made."""
     lights, layers = list(plan.lights), list(plan.shadow_layers)
-    for kind in ("directional", "point", "spot"):
+    for kind in KINDS:
         if not any(light.kind == kind for light in lights):
-            behind = (k for k, light in enumerate(lights) if _ORDER.index(light.kind) > _ORDER.index(kind))
+            behind = (k for k, light in enumerate(lights) if KINDS.index(light.kind) > KINDS.index(kind))
             at = next(behind, len(lights))
             # The light is outside the scene: at the position of a light the irradiance would be 0 times infinity.
             position = tuple((scene.center + 2 * scene.radius).tolist())
@@ -76,7 +76,7 @@ def include_everything(plan: Plan, scene: Scene) -> Plan:
     layer_count = plan.shadow_layer_count
     if not layer_count:
         layers[-1], layer_count = 0, 1
-    counts = {kind: sum(light.kind == kind for light in lights) for kind in _ORDER}
+    counts = {kind: sum(light.kind == kind for light in lights) for kind in KINDS}
     common = {"LIGHT_COUNT": len(lights), "DIRECTIONAL_COUNT": counts["directional"], "POINT_COUNT": counts["point"],
               "SUNS": 1, "SHADOW_LAYERS": layer_count, "HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": 1}
     draws = tuple(_with_switches(draw, _all_on(draw.program, common)) for draw in plan.draws)
@@ -129,9 +129,6 @@ def _grouped(programs: Sequence[Program], fragment: str) -> list[tuple[dict[str,
         else:
             groups.append((switches, [program]))
     return groups
-
-
-_ORDER = ("directional", "point", "spot")
 
 
 def _all_on(program: Program, common: Mapping[str, int]) -> dict[str, int]:

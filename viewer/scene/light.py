@@ -14,6 +14,8 @@ from .arrays import scene_numbers
 
 RGB = tuple[float, float, float]
 Kind = Literal["directional", "point", "spot"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+"""In the order in which the raster's programs have their lights."""
 BRIGHTEST = 1e30
 """The most of an intensity that renderers count, which leaves float32 room for highlights and for sums of lights."""
 
@@ -47,8 +49,8 @@ class Light:
     radius: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(Kind):
-            raise UsageError(f"Light.kind is {self.kind!r}, not one of {', '.join(get_args(Kind))}")
+        if self.kind not in KINDS:
+            raise UsageError(f"Light.kind is {self.kind!r}, not one of {', '.join(KINDS)}")
         for name in ("color", "position", "direction"):
             object.__setattr__(self, name, scene_numbers(getattr(self, name), f"Light.{name}", 3))
         for name in ("intensity", "inner_cone", "outer_cone", "angular_radius", "radius"):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..light import Light
+from ..light import KINDS, Light
 from ..rig import light_direction
 from .element import Element
 
@@ -29,7 +29,7 @@ class Lights:
         kind. Scale does not change intensity or range (KHR_lights_punctual)."""
         element = self._items[number]
         kind: Any = element.string("type")
-        if kind not in ("directional", "point", "spot"):
+        if kind not in KINDS:
             element.warn(f"{kind[:20]!r} is unknown; the light is left out", "type")
             return None
         range_ = element.number("range", None, 0.0)
