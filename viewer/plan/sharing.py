@@ -100,18 +100,18 @@ def _with_counts(program: Program, counts: Mapping[str, int]) -> Program:
     return Program.of(program.fragment, dict(program.switches) | {name: counts[name] for name in names})
 
 
-def share_programs(draws: Sequence[Draw]) -> tuple[Draw, ...]:
+def share_programs(draws: Sequence[Draw], always: bool = False) -> tuple[Draw, ...]:
     """The same draws, where the draws of a fragment file share as few programs as possible if that saves time.
 
-    With llvmpipe, compiling and first using a draw's own program takes 0.2 s of
+    `always` shares programs in any case. With llvmpipe, compiling and first using a draw's own program takes 0.2 s of
     one core, and a shared one 0.45 s. Frames with shared programs take up to 10 % longer.
     """
     shared: dict[Program, dict[str, int]] = {}
     for fragment in dict.fromkeys(draw.program.fragment for draw in draws):
         programs = list(dict.fromkeys(draw.program for draw in draws if draw.program.fragment == fragment))
-        if len(programs) >= MIN_PROGRAMS_TO_SHARE:
+        if always or len(programs) >= MIN_PROGRAMS_TO_SHARE:
             groups = _grouped(programs, fragment)
-            if len(programs) > 2 * len(groups):
+            if always or len(programs) > 2 * len(groups):
                 shared |= {program: switches for switches, members in groups for program in members}
     return tuple(_with_switches(draw, shared[draw.program]) if draw.program in shared else draw for draw in draws)
 
