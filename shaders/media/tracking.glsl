@@ -13,6 +13,14 @@ const int MAX_COLLISIONS = 65536;
 
 // Walks that went wrong: densities above the majorant, and walks that were cut. There are none.
 int tracking_faults = 0;
+// The extinction of all volumes over that of their records (trace/endless.glsl)
+float extinction_scale = 1.0;
+
+Volume volume_met(int k) {
+    Volume v = volume_at(k);
+    v.extinction *= extinction_scale;
+    return v;
+}
 
 // The density where a walk has a collision with the majorant: of a random voxel about it
 float collision_density(Walk w, Volume v, inout uint counter) {
@@ -59,7 +67,7 @@ float volumes_collision(vec3 origin, vec3 direction, float limit, float u, inout
     volume = 0;
     int k = 0;
     do { // where its condition comes first, llvmpipe runs a loop's body once more
-        float t = volume_collision(volume_at(k), origin, direction, min(limit, first), u, counter);
+        float t = volume_collision(volume_met(k), origin, direction, min(limit, first), u, counter);
         if (t < first) volume = k;
         first = min(first, t);
         u = random_number(counter);
@@ -71,7 +79,7 @@ float volumes_transmittance(vec3 origin, vec3 direction, float limit, inout uint
     float transmittance = 1.0;
     int k = 0;
     do {
-        transmittance *= volume_transmittance(volume_at(k), origin, direction, limit, counter);
+        transmittance *= volume_transmittance(volume_met(k), origin, direction, limit, counter);
     } while (++k < u_volume_count && transmittance > 0.0);
     return transmittance;
 }

@@ -3,6 +3,7 @@
 // collision there, and the singularity of a point light does no harm. The point is chosen by the mean of two densities:
 // equiangular about the light, and as collisions before the hit are distributed.
 #include "trace/bounce.glsl"
+#include "trace/endless.glsl"
 #include "trace/write_state.glsl"
 #include "media/any_phase.glsl"
 #include "media/equiangular.glsl"
@@ -27,7 +28,7 @@ void main() {
     ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
     Path p = read_path(texel, uvec4(0u));
     int medium = innermost(p.medium);
-    Medium m = medium_of(medium);
+    Medium m = medium_around(p);
     vec4 u = vertex_numbers(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
     vec3 chances = channel_chances(p.throughput);
     float end = way_of(p), start = HAS_FOG > 0 ? min(media_span(p.origin, p.direction).x, end) : 0.0;
@@ -72,6 +73,7 @@ void main() {
     vec3 scattered = m.albedo * m.sigma_t * density * exp(-m.sigma_t * length) * any_phase(m.phase, p.direction, l);
 #if HAS_GRIDS
     uint counter = vertex_hash(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
+    extinction_scale = extinction_left(p);
     scattered *= volumes_transmittance(p.origin, p.direction, t, counter);
 #endif
     // A point on the face of a box of a volume may count as inside, where there is no fog.

@@ -13,7 +13,7 @@
 // The class of a path in flight, whose ray hit a surface of this kind
 int class_in_medium(ivec2 texel, int path_class) {
     Path p = read_path(texel, uvec4(0u));
-    Medium m = medium_of(innermost(p.medium));
+    Medium m = medium_around(p);
     bool is_in_medium = false;
     if (scatters(m)) {
 #if HAS_AIRLIGHT

@@ -6,6 +6,7 @@
 #include "trace/state.glsl"
 #include "media/medium.glsl"
 #if HAS_SCATTERING
+#include "trace/endless.glsl"
 #include "trace/numbers.glsl"
 #include "media/distance.glsl"
 
@@ -25,7 +26,7 @@ float flight_of(Path p, Medium m, float u) {
 void pass_medium(inout Path p, float distance) {
 #if HAS_SCATTERING
     int medium = innermost(p.medium);
-    Medium m = medium_of(medium);
+    Medium m = medium_around(p);
     distance = length_in(medium, p.origin, p.direction, 0.0, distance);
     p.throughput *= scatters(m) ? passing_weight(m.sigma_t, channel_chances(p.throughput), distance)
                                 : exp(-m.sigma_t * distance);

@@ -9,6 +9,9 @@
 #if PHOTONS
 #include "trace/connect.glsl"
 #endif
+#if HAS_DEEP_MEDIA
+#include "media/deep_walk.glsl"
+#endif
 #if HAS_GRIDS
 #include "media/volume_medium.glsl"
 #include "trace/volume_flight.glsl"
@@ -16,14 +19,14 @@
 
 const int MOST_AT_ONCE = 32; // collisions of a path in one pass
 
-// Samples the direction in which a path that has collided goes on. Returns false if it ends there.
-bool scatter_in(inout Path p, Medium m, vec3 u) {
+// Samples the direction in which a path that has collided goes on; `asked`: it has asked a light there. Returns false if it ends there.
+bool scatter_in(inout Path p, Medium m, bool asked, vec3 u) {
     vec3 direction = any_phase_sample(m.phase, p.direction, u.xy);
 #if PHOTONS
     p.pdf = FROM_ROUGH;
 #else
     // Where no light is asked, light that is hit counts in full.
-    p.pdf = asks_lights(m) ? any_phase(m.phase, p.direction, direction) : 0.0;
+    p.pdf = asked ? any_phase(m.phase, p.direction, direction) : 0.0;
 #endif
     // Roulette alone ends paths, with the probability that they are absorbed; a white medium keeps them all.
     float survival = min(max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2, 1.0);
@@ -46,7 +49,7 @@ void main() {
     ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
     Path p = read_path(texel, uvec4(0u));
     Sample s = path_sample(texel, p.left);
-    Medium m = medium_of(innermost(p.medium));
+    Medium m = medium_around(p);
     vec4 u = vertex_numbers(s, p, FLIGHT_GROUP);
     float way = scatters(m) ? flight_of(p, m, u.x) : 3e38;
     bool is_in_grid = false;
@@ -63,6 +66,8 @@ void main() {
         p.throughput *= m.albedo;
     }
 #endif
+    // Shadow rays go through fog and solids as dense as they are, and paths after very many collisions do not.
+    bool asks = asks_lights(m) && (is_in_grid || p.steps < THINS_FROM);
     if (!is_in_grid) p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
     p.origin += way * p.direction;
 #if HAS_LIGHT_TREE
@@ -78,7 +83,7 @@ void main() {
     CameraSample c = sample_camera(p.origin);
     connect_camera(p, p.origin, p.origin, c, p.medium, p.throughput * any_phase(m.phase, p.direction, c.direction));
 #elif HAS_ENVIRONMENT || HAS_EMITTERS || HAS_PUNCTUAL && HAS_GRIDS
-    if (asks_lights(m)) {
+    if (asks) {
         LightSample light = sample_light(p.origin, vec3(0.0), vertex_numbers(s, p, LIGHT_GROUP).xyz);
         if (light.is_delta && !is_in_grid) light.pdf = 0.0; // trace/airlight.frag has counted it
         float phase = any_phase(m.phase, p.direction, light.direction);
@@ -86,16 +91,23 @@ void main() {
     }
 #endif
     // In media where no light is asked, all numbers of a collision are of one group.
-    bool continues = scatter_in(p, m, asks_lights(m) ? vertex_numbers(s, p, BSDF_GROUP).xyz : u.yzw);
+    bool continues = scatter_in(p, m, asks, asks ? vertex_numbers(s, p, BSDF_GROUP).xyz : u.yzw);
+#if HAS_DEEP_MEDIA
+    if (continues && !is_in_grid) walk_deep(p, s);
+#endif
 #if HAS_CLEARANCE
     // Where no light is asked, the next collisions need no rays as long as no surface is near.
     for (int k = 1; k < MOST_AT_ONCE && continues && !asks_lights(m); ++k) {
         u = vertex_numbers(s, p, FLIGHT_GROUP);
+        m = medium_around(p);
         way = flight_of(p, m, u.x);
         if (!is_clear(p.origin, p.direction, way)) break;
         p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
         p.origin += way * p.direction;
-        continues = scatter_in(p, m, u.yzw);
+        continues = scatter_in(p, m, false, u.yzw);
+#if HAS_DEEP_MEDIA
+        if (continues) walk_deep(p, s);
+#endif
     }
 #endif
     write_path(p, continues ? IN_FLIGHT : ENDED);

@@ -5,6 +5,7 @@
 #include "media/medium.glsl"
 #include "media/nesting.glsl"
 #include "media/tracking.glsl"
+#include "trace/endless.glsl"
 
 layout(location = 0) out vec4 o_along;  // u_along, with volumes on the way of the shadow ray
 layout(location = 1) out vec4 o_flight; // distance to the collision before the hit, else NO_COLLISION; volume
@@ -17,6 +18,7 @@ void main() {
     if (status == IDLE) return;
     Path p = read_path(texel, uvec4(0u));
     Sample s = path_sample(texel, p.left);
+    extinction_scale = extinction_left(p);
     uint counter = vertex_hash(s, p, FLIGHT_GROUP);
     vec3 vector = texelFetch(u_shadow_vector, texel, 0).xyz;
     float size = length(vector);

@@ -16,7 +16,6 @@ from viewer.plan.media import MAX_VOLUMES
 from viewer.plan.warnings import picture_warnings
 from viewer.scene.camera import Camera
 from viewer.scene.environment_presets import make_preset
-from viewer.scene.fog import Fog, most_collisions
 from viewer.scene.frame import Frame
 from viewer.scene.framing import MARGIN
 from viewer.scene.light import Light
@@ -193,24 +192,3 @@ def test_volumes_in_which_paths_collide_often_are_warned_of():
     assert "volume 'density'" in line and "collide up to 667 times" in line
     assert not picture_warnings(model, Settings.of(**white))
     assert not picture_warnings(model, Settings.of(mode="path", volume_density=1000.0))
-
-
-def test_fog_in_which_paths_collide_often_is_warned_of():
-    """A ball of the radius R, by a walk from its middle in NumPy; a walk's mean square grows by 2 at each step."""
-    fog = Fog(Medium((10.0,) * 3, (1.0,) * 3), (0.0, 0.0, 0.0), 2.0, -1.0)
-    rng, points, collisions = np.random.default_rng(0), np.zeros((2000, 3)), 0
-    while len(points):
-        steps = rng.normal(size=points.shape)
-        steps *= (rng.exponential(size=len(steps)) / np.linalg.norm(steps, axis=1))[:, None]
-        points = points + steps
-        points = points[np.linalg.norm(points, axis=1) < 20]
-        collisions += len(points)
-    assert most_collisions(fog) == pytest.approx(collisions / 2000, rel=0.1)
-    assert most_collisions(replace(fog, medium=replace(fog.medium, albedo=(0.9, 0.5, 0.0)))) == pytest.approx(10)
-    assert most_collisions(replace(fog, scale_height=0.1)) < 2
-    model = scene(sphere(), environment=make_preset("furnace"))
-    [line] = picture_warnings(model, Settings.of(mode="path", fog=100.0))
-    assert "fog is so dense" in line and "collide up to" in line
-    assert not picture_warnings(model, Settings.of(fog=100.0))
-    assert not picture_warnings(model, Settings.of(mode="path", fog=10.0))
-    assert not picture_warnings(model, Settings.of(mode="path", fog=100.0, fog_albedo=(0.9, 0.9, 0.9)))

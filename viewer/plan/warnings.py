@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..scene.camera import Camera
-from ..scene.fog import fog_of, most_collisions
 from ..scene.scene import Scene
 from ..scene.triangles import triangles_of
 from ..scene.volume import mean_collisions, volume_medium
@@ -18,8 +17,6 @@ from .shadow_layers import shadow_layers
 
 MANY_COLLISIONS = 100.0
 """Of a path in a volume. More are worth a warning, since each takes about the time of a reflection."""
-ENDLESS_COLLISIONS = 2000.0
-"""Of a path in fog, on average: of more, one in some hundred samples or more has over 8000 and is left out."""
 
 
 def is_dark(scene: Scene, settings: Settings) -> bool:
@@ -66,10 +63,6 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
             if count > MANY_COLLISIONS:
                 lines.append(f"volume {volume.name!r} is so dense, and absorbs so little, that paths collide up to "
                              f"{count:.0f} times in it: the picture takes long")
-        fog = fog_of(scene, settings)
-        if fog is not None and (count := most_collisions(fog)) > ENDLESS_COLLISIONS:
-            lines.append(f"the fog is so dense, and absorbs so little, that paths collide up to {count:.3g} times in "
-                         "it: the picture takes long, and samples whose paths do not end are left out")
     for name, is_there in (("volume", bool(scene.volumes)), ("fog", settings.fog > 0)):
         if is_there and getattr(settings, f"{name}_droplets") > 0 and getattr(settings, f"{name}_g") != 0:
             lines.append(f"{name}_g has no effect together with {name}_droplets, whose phase function takes its place")

@@ -28,19 +28,6 @@ class Fog:
     scale_height: float = math.inf
 
 
-def most_collisions(fog: Fog) -> float:
-    """An upper bound on the mean number of collisions of a path from the middle of the fog, till it leaves it.
-
-    Light that is scattered to all sides and not absorbed leaves a ball of the optical depth t from its middle after
-    about t^2 / 2 collisions: a walk of steps whose mean square is 2. A mean cosine g makes that (1 - g) t^2 / 2
-    (similarity), and t besides. Fog that thins out is left at its top. An albedo a leaves at most 1 / (1 - a) of them.
-    """
-    depth = max(fog.medium.sigma_t) * min(fog.radius, fog.scale_height)
-    albedo = max(fog.medium.albedo)
-    count = depth + (1 - fog.medium.g) * depth**2 / 2
-    return min(count, 1 / (1 - albedo)) if albedo < 1 else count
-
-
 def fog_medium(settings: Settings) -> Medium:
     """The medium of the settings `fog-...`; its sigma_t is 0 where there is no fog."""
     return Medium(sigma_t=(settings.fog,) * 3, albedo=settings.fog_albedo, g=settings.fog_g,

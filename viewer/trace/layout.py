@@ -47,6 +47,9 @@ MOST_STEPS = 8000
 """A path that has so many collisions in media, and would go on, is left out of the picture and counted. The counter of
 shaders/trace/state.glsl holds a few more."""
 
+THINS_FROM, THINS_EVERY = 2048, 384
+"""After so many collisions the mean free path of a path grows, and doubles every so many (trace/endless.glsl)."""
+
 INSTANCE_TEXELS = 5
 """Texels of an instance in the scene buffer.
 

@@ -170,7 +170,7 @@ def plan_trace(
 def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int], classes: Mapping[str, int],
                      ) -> dict[str, Program]:
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
-    light = {"PHOTONS": 1, "HAS_CLEARANCE": 0,  # they are connected at every collision
+    light = {"PHOTONS": 1, "HAS_CLEARANCE": 0, "HAS_DEEP_MEDIA": 0,  # they are connected at every collision
              "HAS_CAUSTIC_GUIDE": 0, "SORTED": 0}
     switches, classes = {**switches, "HAS_CAUSTIC_GUIDE": 0, "SORTED": 0}, {**classes, "SORTED": 0}
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",

@@ -24,6 +24,7 @@ from ..layout import (
 )
 from .atlas import Page
 from .clearance import clearance_texels, has_clearance
+from .deep_media import deep_media, deep_texels
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
 from .materials import MapUse, TraceMaterial, map_texels, material_texels
@@ -65,6 +66,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_NESTED": int(bool(geometry.indices)),
         "HAS_GRIDS": int(geometry.has_grids),
         "HAS_CLEARANCE": int(has_clearance(geometry)),
+        "HAS_DEEP_MEDIA": int(bool(deep_media(geometry))),
         "HAS_FOG": 0 if geometry.fog is None else 1 + geometry.fog.thins,
         "HAS_CURVES": int(geometry.curves is not None),
         "HAS_FIBRE_COLORS": int(geometry.curves is not None and geometry.curves.colors is not None),
@@ -119,7 +121,9 @@ def add_geometry(
     buffer.add("vertices", vertices.reshape(-1, 4))
     if switches["HAS_VOLUME"]:
         buffer.add("media", _media_texels(geometry))
-    if switches["HAS_CLEARANCE"]:
+    if switches["HAS_DEEP_MEDIA"]:
+        buffer.add("deep_media", deep_texels(geometry))
+    if switches["HAS_CLEARANCE"] or switches["HAS_DEEP_MEDIA"]:
         buffer.add("clearance", clearance_texels(geometry))
     if geometry.fog is not None:
         buffer.add("fog", geometry.fog.texels())

@@ -6,7 +6,7 @@ lies in the unit ball. Everything is computed in float64 and rounded once. Trace
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ...material.fold import without_constant_maps
 from ...material.use import supported
 from ...scene.fog import Fog
 from ...scene.material import Material
-from ...scene.medium import VACUUM, Medium
+from ...scene.medium import VACUUM, Medium, scaled
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.transform import handedness
@@ -24,6 +24,9 @@ from .curves import TraceCurves
 from .fog import TraceFog, trace_fog
 from .materials import TraceMaterial, trace_material
 from .nesting import Nesting
+
+DENSEST_FOG = 2.0**14
+"""Extinction of fog per tracer unit; that of denser fog counts as this."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +138,8 @@ def trace_geometry(
     materials: dict[tuple[int, int, bool], int] = {}
     placed: list[TraceInstance] = []
     used_materials: list[TraceMaterial] = []
-    media: dict[tuple[Medium, bool, bool], int] = {(VACUUM if fog is None else fog.medium, False, False): 0}
+    outside = VACUUM if fog is None else _resolved(fog.medium, scene.radius)
+    media: dict[tuple[Medium, bool, bool], int] = {(outside, False, False): 0}
     emitters = 0
     surfaces = [without_constant_maps(material if scattering else material.without_medium_scattering)
                 for material in scene.materials]
@@ -177,6 +181,12 @@ def trace_geometry(
     return TraceGeometry(ordered, placed, used_materials, tuple(key[0] for key in media), emitters,
                          len(scene.instances) - len(placed), scene.radius, bool(volumes),
                          None if fog is None else trace_fog(scene, fog), curves)
+
+
+def _resolved(fog: Medium, unit: float) -> Medium:
+    """`fog` with an extinction that float32 resolves: then its mean free path is a 16,384th of the scene's radius."""
+    factor = min(1.0, DENSEST_FOG / (unit * max(*fog.sigma_t, 1e-300)))
+    return replace(fog, sigma_t=scaled(fog.sigma_t, factor)) if factor < 1 else fog
 
 
 def _normalise(mesh: Mesh, source: int) -> TraceMesh:
