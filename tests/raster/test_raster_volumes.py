@@ -184,6 +184,18 @@ def test_others_stand_before_what_volumes_emit(radiance, burning):
     assert lit > 0.05 and shaded < 1e-3 * lit
 
 
+def test_shadows_of_what_volumes_emit_beside_many_lamps(renderer, burning):
+    """Nine bright lamps, under the floor, leave tiles for one light: it stands for all that the cube emits."""
+    lid = scene((plate(half=4.0), facing_floor()), (plate(half=1.0), facing_floor(y=1.0)))
+    lamps = (Light("point", intensity=1e3, position=(0.0, -9.0, 0.0)),) * 9
+    camera, found = Camera.look_at((0, 0.5, 1.2), (0, 0, 0)), []
+    for model in (burning, lid):
+        model = replace(model, volumes=burning.volumes, lights=lamps)
+        found.append(renderer.render(model, camera, Settings.of(**GLOW), SIZE).linear[8, 8, 0])
+        assert renderer.plan.shadow_layer_count == 60 and -1 not in renderer.plan.shadow_layers
+    assert found[0] > 0.05 and found[1] < 1e-3 * found[0]
+
+
 def test_what_volumes_emit_lights_fog_and_themselves(radiance, burning):
     """What absorbs nothing keeps none of its light, and is brighter in the middle, where that leaves late."""
     alone = replace(burning, instances=())

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..bake.environment import bake_environment
-from ..plan.media import lights_of_volumes
+from ..plan.media import lights_of_volumes, most_of_volumes
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
 from ..quality import DRAFT, Quality
@@ -154,7 +154,8 @@ def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
     is_lit, is_reflected = environment_use(scene, settings)
     suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
         if is_lit and scene.environment is not None else ()
-    lights = [*scene.lights, *suns, *lights_of_volumes(scene, settings)]
+    others = [*scene.lights, *suns]
+    lights = [*others, *lights_of_volumes(scene, settings, most_of_volumes(settings, others))]
     plan = plan_scene(scene, settings, lights, half_target=True, orthographic=False,
                       samples=settings.samples(is_software=False, is_still=True),
                       deferred=settings.defers(is_software=False, is_still=True))

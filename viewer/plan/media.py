@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..bake.similarity import without_peak
-from ..bake.volume_lights import volume_lights
+from ..bake.volume_lights import COUNT, volume_lights
 from ..scene.fog import fog_medium
 from ..scene.light import Light
 from ..scene.medium import Medium
@@ -14,6 +14,7 @@ from ..scene.scene import Scene
 from ..scene.volume import volume_medium
 from ..settings import Settings
 from .model import Program
+from .shadow_layers import point_lights_left
 
 SLICES = 7
 """Slices of the media that one pass marches through: OpenGL 3.3 grants eight targets, and one carries light on."""
@@ -69,9 +70,17 @@ def media_switches(scene: Scene, settings: Settings) -> dict[str, int]:
             "FOG_HEIGHT": int(fog and settings.fog_height > 0), "VOLUMES": min(len(scene.volumes), MAX_VOLUMES)}
 
 
-def lights_of_volumes(scene: Scene, settings: Settings) -> tuple[Light, ...]:
-    """The lights that stand for what volumes emit."""
-    return volume_lights(scene.volumes[:MAX_VOLUMES], volume_medium(settings)) if sends_light(scene, settings) else ()
+def lights_of_volumes(scene: Scene, settings: Settings, count: int) -> tuple[Light, ...]:
+    """At most `count` lights that stand for what volumes emit."""
+    if not sends_light(scene, settings):
+        return ()
+    return volume_lights(scene.volumes[:MAX_VOLUMES], volume_medium(settings), count)
+
+
+def most_of_volumes(settings: Settings, others: Sequence[Light]) -> int:
+    """How many lights may stand for what volumes emit beside all `others`: so many as can have shadows, and one at
+    least."""
+    return min(max(point_lights_left(others), 1), COUNT) if settings.shadows == "on" else COUNT
 
 
 def sends_light(scene: Scene, settings: Settings) -> bool:

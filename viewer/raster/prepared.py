@@ -10,7 +10,7 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.free import free
 from ..gpu.programs import Programs
-from ..plan.media import has_media, lights_of_volumes, sends_light
+from ..plan.media import has_media, lights_of_volumes, most_of_volumes, sends_light
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
 from ..scene.decoding import Decoder
@@ -113,10 +113,12 @@ class Prepared:
 
     def _lights(self, scene: Scene, settings: Settings) -> list[Light]:
         from_environment = self.environment.lights(settings) if self.environment is not None else []
-        key = (scene.volumes, volume_medium(settings), sends_light(scene, settings))
+        others = [*scene.lights, *from_environment]
+        count = most_of_volumes(settings, others)
+        key = (scene.volumes, volume_medium(settings), sends_light(scene, settings), count)
         if self._from_volumes[0] != key:
-            self._from_volumes = key, lights_of_volumes(scene, settings)
-        return [*scene.lights, *from_environment, *self._from_volumes[1]]
+            self._from_volumes = key, lights_of_volumes(scene, settings, count)
+        return [*others, *self._from_volumes[1]]
 
     def release(self) -> None:
         free(self._gl, self.surfaces, self.environment)
