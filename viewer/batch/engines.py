@@ -56,6 +56,10 @@ class Here:
         if has_several:
             self._worker.renderer.decode_environment()
 
+    def expect(self, task: RenderTask) -> None:
+        """Begin with the task that is submitted after the next one."""
+        self._worker.renderer.expect(task)
+
     def submit(self, task: RenderTask) -> Future[Done]:
         future: Future[Done] = Future()
         future.set_result(self._worker.do(task, self._progress))

@@ -62,9 +62,12 @@ class Batch:
 
 @dataclass(frozen=True)
 class Attempt:
+    """`key` is that of the files before they are read, in case that they change meanwhile."""
+
     number: int
     task: RenderTask
     tries: int = 0
+    key: str | None = None
 
 
 def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int:
@@ -153,7 +156,7 @@ class Run:
         self.records: dict[int, tuple[Record, ...]] = {}
         self.known: dict[int, tuple[Record, ...]] = {}
         self.stopped: int | None = None
-        self._running: dict[Future[Done], tuple[Attempt, str]] = {}
+        self._running: dict[Future[Done], Attempt] = {}
         self.sums = Sums()
         self.frames: dict[int, np.ndarray] = {}
         self._started = time.monotonic()
@@ -173,6 +176,9 @@ class Run:
                                    for line in lines if line.cameras)
         return True
 
+    def _with_key(self, attempt: Attempt) -> Attempt:
+        return attempt if attempt.key is not None else replace(attempt, key=self._key(attempt.task))
+
     def _key(self, task: RenderTask) -> str:
         if self._manifest is None or self._keys is None:
             return ""
@@ -183,36 +189,38 @@ class Run:
         waiting, running = deque(attempts), self._running
         while self.stopped is None and (waiting or running) and not (are_parts and self._has_failed):
             while waiting and len(running) < engine.room:
-                attempt = waiting.popleft()
-                key = self._key(attempt.task)  # of the files before they are read, in case that they change meanwhile
-                running[engine.submit(attempt.task)] = attempt, key
+                attempt = self._with_key(waiting.popleft())
+                if waiting and isinstance(engine, Here):
+                    waiting[0] = self._with_key(waiting[0])
+                    engine.expect(waiting[0].task)
+                running[engine.submit(attempt.task)] = attempt
             for future in wait(running, return_when=FIRST_COMPLETED).done:
-                attempt, key = running.pop(future)
-                waiting.extend(self._note(attempt, key, future))
+                attempt = running.pop(future)
+                waiting.extend(self._note(attempt, future))
                 if not isinstance(engine, Here):  # which shows what it does now
                     progress.done(len(self.records), Path(attempt.task.model).name)
 
     def gather(self, engine: Engine) -> None:
         """Take the samples of the parts that a signal has found in the making, as far as they are traced."""
-        if any(attempt.task.samples is not None for attempt, _ in self._running.values()) and engine.finish():
+        if any(attempt.task.samples is not None for attempt in self._running.values()) and engine.finish():
             wait(self._running)
-        for future, (attempt, _) in self._running.items():
+        for future, attempt in self._running.items():
             if future.done() and future.exception() is None and (part := future.result().part) is not None:
                 self.sums.add(attempt.number, part)
 
     def note_finished(self) -> None:
         """Note the models that were done while the engine ended, so that each picture there has its line."""
-        for future, (attempt, key) in list(self._running.items()):
+        for future, attempt in list(self._running.items()):
             is_done = future.done() and not future.cancelled() and future.exception() is None
             if is_done and not future.result().may_pass:
                 del self._running[future]
-                list(self._note(attempt, key, future))
+                list(self._note(attempt, future))
 
     @property
     def _has_failed(self) -> bool:
         return any("error" in record for records in self.records.values() for record in records)
 
-    def _note(self, attempt: Attempt, key: str, future: Future[Done]) -> Iterator[Attempt]:
+    def _note(self, attempt: Attempt, future: Future[Done]) -> Iterator[Attempt]:
         """Note what has become of the attempt; yields another one if it is to be tried again."""
         task = attempt.task
         try:
@@ -225,7 +233,7 @@ class Run:
             say(line)
         if done.may_pass and done.stopped is None and attempt.tries < self._retries:
             say(f"{task.model}: is tried again")
-            yield replace(attempt, tries=attempt.tries + 1)
+            yield replace(attempt, tries=attempt.tries + 1, key=None)
             return
         if self.stopped is None:
             self.stopped = done.stopped
@@ -235,7 +243,8 @@ class Run:
         if done.frames is not None:
             self.frames[attempt.number] = done.frames
         if self._manifest is not None:
-            self._manifest.add(list(self._lines(task, key, done, self._manifest)), self._manifest.out(task.picture()))
+            lines = self._lines(task, attempt.key or "", done, self._manifest)
+            self._manifest.add(list(lines), self._manifest.out(task.picture()))
 
     def tell(self, count: int) -> None:
         """Tell what has become of `count` models, and in which time, unless there was but one."""

@@ -70,6 +70,10 @@ class Passes:
         self._finish = context.function("glFinish")
         self.held: list[int] = []
 
+    def wait(self) -> None:
+        """Wait for the passes, without Python's lock."""
+        self._finish()
+
     def end(self) -> None:
         """Keep the fence of what was drawn until now."""
         is_full = len(self.held) >= MOST_HELD
@@ -81,6 +85,13 @@ class Passes:
             for sync in self.held[:-1]:
                 self._delete(sync)
             del self.held[:-1]
+
+
+def let_others_run(gl: moderngl.Context) -> None:
+    """Call it before a draw that looks up what the pass before it draws, where others may decode meanwhile. llvmpipe
+    waits in such a draw for its threads, and moderngl keeps Python's lock; so this waits, without it."""
+    if isinstance(gl, LlvmpipeContext):
+        gl.passes.wait()
 
 
 def keep_fences(context: Context) -> None:

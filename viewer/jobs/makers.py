@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..raster.renderer import Renderer
+    from ..scene.decoding import Decoder
     from ..trace.paths.part import Part
 
 
@@ -34,6 +35,15 @@ def make_picture_maker(request: RenderRequest) -> PictureMaker:
 
 
 class RasterMaker(PictureMaker):
+    @property
+    def has_renderer(self) -> bool:
+        return self._renderer is not None
+
+    def expect(self, ahead: Decoder) -> None:
+        """Take a decoder that has begun with the images of the next scene. There has to be a renderer."""
+        assert self._renderer is not None
+        self._renderer.expect(ahead)
+
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`."""
         from ..plan.legend import legend

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from ..base.atomic import made_folders
+from ..base.begun import begun
 from ..base.memory import memory_mb
 from ..base.messages import say
 from ..base.progress import Progress
@@ -31,6 +34,7 @@ from .views import View, views_of
 
 if TYPE_CHECKING:
     from ..gpu.context import Context
+    from ..scene.decoding import Decoder
 
 Record = dict[str, object]
 
@@ -48,6 +52,7 @@ class ModelRenderer:
         self._settings = make_settings(options)
         self._environment = make_environment(options)
         self._context: Context | None = None
+        self._begun: dict[RenderTask, Future[tuple[Scene, Decoder]]] = {}
         self.may_pass = False
         """Whether the last task has failed for want of memory, or at writing, so that another try may do it."""
         self._request = RenderRequest(
@@ -77,6 +82,28 @@ class ModelRenderer:
         if self._environment is not None:
             self._environment.radiance  # noqa: B018  it is decoded when it is first read
 
+    def expect(self, task: RenderTask) -> None:
+        """Begin to load the model of the task after the next one, and to decode its images, on other threads, while
+        the next one is drawn. The first task is not delayed by that, and paths keep all cores busy by themselves."""
+        if isinstance(self._maker, RasterMaker) and self._maker.has_renderer:
+            self._begun[task] = begun(partial(self._load_ahead, task))
+
+    def _load_ahead(self, task: RenderTask) -> tuple[Scene, Decoder]:
+        from ..raster.sampled_images import decode_ahead
+
+        options = self._job.options
+        scene = make_scene(task.model, self._environment, options)
+        quality = make_quality(options, self._settings, scene, options["size"])
+        return scene, decode_ahead(scene, quality.applied(self._settings))
+
+    def _load(self, task: RenderTask) -> Scene:
+        if task not in self._begun:
+            return make_scene(task.model, self._environment, self._job.options)
+        scene, ahead = self._begun.pop(task).result()
+        assert isinstance(self._maker, RasterMaker)
+        self._maker.expect(ahead)
+        return scene
+
     def render(self, task: RenderTask, progress: Progress) -> list[Record]:
         """Make all pictures of a model, and write them. Returns what `--stats` tells of each; an "error" says why there
         is none.
@@ -91,7 +118,7 @@ class ModelRenderer:
         start = time.perf_counter()
         records: list[Record] = []
         with self._told(task.model, task.picture(), records):
-            scene = make_scene(task.model, self._environment, self._job.options)
+            scene = self._load(task)
             film = make_film(task.model, task.picture(), scene, self._job.options)
             self._warn(task.model, scene)
             if film is not None:

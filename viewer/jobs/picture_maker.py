@@ -73,7 +73,7 @@ class PictureMaker(ABC):
         """The error of the last picture, where `RasterMaker.tell_error` has told it."""
 
     def forget(self) -> None:
-        """Free what only the last scene needs, before another one is loaded, so that memory never holds both."""
+        """Free what only the last scene needs, before the next one is taken."""
         if self._renderer is not None:
             self._renderer.forget()
         if self._tracer is not None:

@@ -14,6 +14,7 @@ from ..errors import UsageError
 from ..gpu.buffer_texture import most_texels
 from ..gpu.context import Context
 from ..gpu.free import free
+from ..gpu.llvmpipe import let_others_run
 from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..image.image import Image
@@ -140,6 +141,7 @@ class Renderer:
         width, height = self._target.size
         framebuffer = self._display.target((width, height))
         self.present(settings, framebuffer)
+        let_others_run(self._gl)
         pixels = np.frombuffer(framebuffer.read(components=4), np.uint8).reshape(height, width, 4)
         return np.ascontiguousarray(pixels[::-1])
 
@@ -193,6 +195,7 @@ class Renderer:
         self._passes.draw(plan, frame, pixels, target, settings, still)
         self._gl.clear_samplers()
         with self._watch.drawing("resolve"):
+            let_others_run(self._gl)
             target.resolve(self.programs, UNIT_RADIANCE)
         self._has_caustics = still and part is None and settings.mode == "pbr" and settings.caustics == "photons"
         if self._has_caustics:

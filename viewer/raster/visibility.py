@@ -11,6 +11,7 @@ import numpy as np
 from ..base.reusable import Reusable
 from ..gpu.free import free
 from ..gpu.fullscreen import fullscreen
+from ..gpu.llvmpipe import let_others_run
 from ..gpu.programs import Programs, set_uniform
 from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
@@ -90,9 +91,11 @@ class _Targets:
         self._summing.clear()
         gl.blend_func = moderngl.ONE, moderngl.ONE
         uniforms = self.gbuffer.bind(frame)
+        let_others_run(gl)
         with self.gbuffer.on_surfaces(moderngl.BLEND):
             shadows.add(programs, frame, uniforms)
         gl.enable_only(moderngl.NOTHING)
+        let_others_run(gl)
         self._result_and_places.use()
         program = programs.get("display/fullscreen.vert", "raster/visibility.frag", {})
         for unit, (name, texture) in enumerate(zip(("u_shadowed", "u_unshadowed"), self._sums), UNIT_NORMALS + 1):
