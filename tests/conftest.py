@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -25,6 +26,10 @@ from contexts import open_or_skip
 from needs import in_words, require, skip
 
 from viewer.gpu.context import Context
+
+if TYPE_CHECKING:
+    from viewer.raster.renderer import Renderer
+    from viewer.trace.tracer import Tracer
 
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     # A shell has what it starts in the background ignore Ctrl-C; its tests, and the programs they start, hear it.
@@ -88,6 +93,26 @@ def context() -> Iterator[Context]:
     """One for all tests of a file."""
     with open_or_skip() as opened:
         yield opened
+
+
+@pytest.fixture(scope="module")
+def renderer(context: Context) -> Iterator[Renderer]:
+    """One for all tests of a file."""
+    from viewer.raster.renderer import Renderer  # here, since tests of readers need neither renderer
+
+    renderer = Renderer(context)
+    yield renderer
+    renderer.release()
+
+
+@pytest.fixture(scope="module")
+def tracer(context: Context) -> Iterator[Tracer]:
+    """One for all tests of a file."""
+    from viewer.trace.tracer import Tracer
+
+    tracer = Tracer(context)
+    yield tracer
+    tracer.release()
 
 
 @pytest.fixture

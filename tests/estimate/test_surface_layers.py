@@ -169,7 +169,7 @@ def test_ids_are_whole_however_many_there_are():
         assert low | high << 16 == number
 
 
-def test_motion_leads_to_where_the_surface_is_at_the_next_time(renderer_of):
+def test_motion_leads_to_where_the_surface_is_at_the_next_time(renderer):
     """A plate that turns, one that bends, and one that stands, by a camera that stands and by one that moves."""
     shown = scene((plate(), moved((-1.2, 0, 0), 0.5)), (plate(), moved((1.2, 0, 0), 0.5)),
                   (plate(), moved((0, 0, -0.5), 0.5)), materials=(RED,), environment=constant())
@@ -179,7 +179,7 @@ def test_motion_leads_to_where_the_surface_is_at_the_next_time(renderer_of):
                    instances=tuple(Instance(k, matrix) for k, matrix in enumerate(there)))
     still = Camera.look_at((0.3, 0.4, 4.0), (0, 0, 0))
     for camera in (still, Camera.look_at((0.6, 0.4, 3.8), (0, 0.1, 0))):
-        layers = renderer_of.layers(shown, still, viewer.Settings(), SIZE, ("motion", "instance", "position"),
+        layers = renderer.layers(shown, still, viewer.Settings(), SIZE, ("motion", "instance", "position"),
                                     (then, camera))
         expected = twin(shown, still, SIZE)
         for number in range(3):
@@ -213,23 +213,14 @@ def on_screen(points: np.ndarray, camera: Camera) -> np.ndarray:
     return np.stack([SIZE[0] / 2 - local[:, 0] / local[:, 2] * half, SIZE[1] / 2 + local[:, 1] / local[:, 2] * half], 1)
 
 
-@pytest.fixture(scope="module")
-def renderer_of(context):
-    from viewer.raster.renderer import Renderer
-
-    renderer = Renderer(context)
-    yield renderer
-    renderer.release()
-
-
-def test_a_curve_has_layers_and_moves(renderer_of):
+def test_a_curve_has_layers_and_moves(renderer):
     """A straight rod: its number is that after all instances, and it moves as its points do."""
     points = np.float32([[-1, 0, 0], [0, 0, 0], [1, 0, 0]])
     rod = Curves("rod", points, np.full(3, 0.2), np.array([0, 3]), np.array([False]))
     shown = replace(scene((plate(), moved((0, 9, 0))), environment=constant()), curves=(rod,))
     then = replace(shown, curves=(replace(rod, points=points + np.float32([0, 0.25, 0])),))
     camera, size = orthographic(height=2.0), (32, 32)
-    found = renderer_of.layers(shown, camera, viewer.Settings(), size, SURFACE_LAYERS, (then, camera))
+    found = renderer.layers(shown, camera, viewer.Settings(), size, SURFACE_LAYERS, (then, camera))
     seen = found["instance"] > 0
     assert (found["instance"][seen] == 2).all() and (found["material"][seen] == 2).all()
     assert seen.mean() == pytest.approx(0.2, abs=0.03)
@@ -238,7 +229,7 @@ def test_a_curve_has_layers_and_moves(renderer_of):
     assert middle == pytest.approx(np.linalg.norm(camera.eye) - 0.2, abs=0.01)
     np.testing.assert_allclose(found["position"][15, 16], [0, 0, 0.2], atol=0.04)
     assert found["normal"][15, 16] @ [0, 0, 1] > 0.97 and 0 < found["albedo"][seen].max() <= 1
-    same = renderer_of.layers(shown, camera, viewer.Settings(), size, ("motion",))
+    same = renderer.layers(shown, camera, viewer.Settings(), size, ("motion",))
     assert not same["motion"].any()
 
 

@@ -1,4 +1,4 @@
-"""One renderer for all tests of a file."""
+"""The radiance that the renderer of a file's tests draws."""
 
 from __future__ import annotations
 
@@ -7,18 +7,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from viewer.gpu.context import Context
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
-
-
-@pytest.fixture(scope="module")
-def renderer(context: Context) -> Iterator[Renderer]:
-    renderer = Renderer(context)
-    yield renderer
-    renderer.release()
 
 
 @pytest.fixture

@@ -11,7 +11,6 @@ from shapes import plate, scene
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Instance, Scene
 from viewer.settings import Settings
-from viewer.trace.tracer import Tracer
 
 SIZE = (48, 32)
 CALIBRATED = Camera.from_intrinsics(Camera.look_at((0.5, -0.6, 3.0), (0.1, 0.3, 0.0), (0.3, 1.0, 0.0)).pose,
@@ -49,13 +48,6 @@ def inside(model: Scene, camera: Camera, x: np.ndarray, y: np.ndarray) -> np.nda
     origin, along = origin @ inverse[:3, :3].T + inverse[:3, 3], along @ inverse[:3, :3].T
     met = origin - (origin[..., 2] / along[..., 2])[..., None] * along
     return (np.abs(met[..., :2]) < 1).all(axis=-1)
-
-
-@pytest.fixture(scope="module")
-def tracer(context):
-    made = Tracer(context)
-    yield made
-    made.release()
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-6, 1e6])

@@ -22,14 +22,6 @@ def scene():
     return viewer.load(resource_folder("assets") / "scenes" / "textures.glb")
 
 
-@pytest.fixture(scope="module")
-def renderer():
-    with open_context() as context:
-        renderer = Renderer(context)
-        yield renderer
-        renderer.release()
-
-
 def test_two_parts_are_the_halves_of_two_whole_pictures(scene, renderer):
     camera = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1])
     phong, pbr = Settings(mode="phong", background="none"), Settings()

@@ -17,7 +17,6 @@ from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.settings import Settings
-from viewer.trace.tracer import Tracer
 
 GLASS = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
 MIRROR = Material(metallic=1.0, perceptual_roughness=0.0, base_color=(0.9, 0.9, 0.9, 1.0))
@@ -39,13 +38,6 @@ def ball(material: Material = GLASS, **changes):
 
 def light_of(renderer, model, settings: Settings = PHOTONS, camera: Camera = BELOW) -> np.ndarray:
     return renderer.render(model, camera, settings, SIZE).linear[..., :3].astype(np.float64)
-
-
-@pytest.fixture(scope="module")
-def tracer(context):
-    tracer = Tracer(context)
-    yield tracer
-    tracer.release()
 
 
 TO_THE_RIGHT = np.array([[0, 0, 1, -1.5], [0, 1, 0, 0.5], [-1, 0, 0, 0], [0, 0, 0, 1.0]])

@@ -15,7 +15,6 @@ from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.weave import WEAVES, Weave
 from viewer.settings import Settings
-from viewer.trace.tracer import Tracer
 
 SIZE = (16, 16)
 SUN = Light("directional", intensity=2.0, direction=(-0.5, -0.3, -0.8))
@@ -33,13 +32,6 @@ def weave(tmp_path):
 
 
 WHITE = {"color": [1, 1, 1], "specular": [0.3, 0.3, 0.3], "width": 0.9, "thickness": 3}
-
-
-@pytest.fixture(scope="module")
-def tracer(renderer):
-    tracer = Tracer(renderer.context)
-    yield tracer
-    tracer.release()
 
 
 @pytest.fixture

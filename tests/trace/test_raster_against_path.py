@@ -2,19 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 from features import FEATURES, distance
-
-from viewer.raster.renderer import Renderer
-
-
-@pytest.fixture(scope="module")
-def renderer(context) -> Iterator[Renderer]:
-    renderer = Renderer(context)
-    yield renderer
-    renderer.release()
 
 
 @pytest.mark.parametrize("feature", FEATURES, ids=lambda feature: feature.name)
