@@ -34,6 +34,10 @@ vec4 visible_past_meshes(Point p, float alpha) {
 }
 #endif
 
+#if HAS_TRANSMISSION && DOUBLE_SIDED && !IS_SOLID
+uniform vec3 u_light_inside; // share of the light around that arrives inside of a wall (viewer/raster/enclosed.py)
+#endif
+
 // What of the light other surfaces hide, and what they add to it. `light` is that of the parts of a lobe, `around` is
 // irradiance / pi.
 void meet_other_surfaces(float NoV, float alpha, float occlusion, vec4 visible, inout mat2x3 light, inout vec3 around) {
@@ -44,6 +48,12 @@ void meet_other_surfaces(float NoV, float alpha, float occlusion, vec4 visible, 
 #if VISIBILITY || SKY_SHADOWS
     around *= visible.rgb;
     light *= visible.a;
+#endif
+#if HAS_TRANSMISSION && DOUBLE_SIDED && !IS_SOLID
+    if (!IS_FRONT) {
+        around *= u_light_inside;
+        for (int k = 0; k < 2; ++k) light[k] *= u_light_inside;
+    }
 #endif
 #if INDIRECT
     add_indirect(NoV, alpha, light, around);

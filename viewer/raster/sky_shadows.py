@@ -72,7 +72,7 @@ def mean_surface(scene: Scene, draws: Sequence[Draw], mean: Callable[[Draw, str]
 def _mean_color(draw: Draw, name: str, mean: Callable[[Draw, str], np.ndarray]) -> np.ndarray:
     color = np.array(getattr(draw.surface, name)[:3], np.float64)
     texture = getattr(draw.surface, f"{name}_texture")
-    return color * mean(draw, name) if texture is not None and name in draw.maps else color
+    return color * mean(draw, name)[:3] if texture is not None and name in draw.maps else color
 
 
 def _hidden_share(material: Material) -> float:

@@ -9,7 +9,7 @@ import moderngl
 
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
-from ..plan.model import Draw, Plan
+from ..plan.model import THIN_WALLED, Draw, Plan
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
 from ..scene.material import VOLUME
@@ -17,6 +17,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.transform import handedness, normal_matrix
 from .baked_attributes import BakedAttributes
+from .enclosed import light_inside
 from .geometry import MeshBuffers
 from .material_uniforms import MaterialUniforms
 from .surface_programs import TRIANGLES, gathering_program, gbuffer_program, path_program, vertex_of
@@ -182,6 +183,9 @@ class Surfaces:
                 self.materials.set(program, draw, scene.radius)
             bound = wanted
             mesh = self.mesh(draw.mesh)
+            if draw.transmits == THIN_WALLED and material.double_sided:
+                inside = light_inside(draw, scene.meshes[draw.mesh], self.textures.mean)
+                set_uniform(program, "u_light_inside", tuple(inside))
             for name, value in of_draw(draw, mesh).items() if of_draw is not None else ():
                 set_uniform(program, name, value)
             gl.cull_face = "front" if side == "back" else "back"

@@ -102,7 +102,8 @@ class Textures:
         self.seconds += time.perf_counter() - started
 
     def mean(self, draw: Draw, name: str) -> np.ndarray:
-        """The mean of a map of a draw, (3,) float64, linear. A prefetched plan must sample the map."""
+        """The mean of a map of a draw: linear red, green and blue, and alpha, (4,) float64. A prefetched plan must
+        sample the map."""
         return self._means[self._key(draw, name)]
 
     def bind(self, draw: Draw, name: str, unit: int) -> None:
@@ -182,9 +183,10 @@ def _upload(context: Context, levels: list[np.ndarray], srgb: bool) -> moderngl.
 
 
 def _mean(level: np.ndarray, srgb: bool) -> np.ndarray:
-    """Red, green and blue of the smallest level."""
-    values = level.reshape(-1, level.shape[2])[:, :3].astype(np.float64)
+    """Red, green, blue and alpha of the smallest level."""
+    values = level.reshape(-1, level.shape[2]).astype(np.float64)
     if level.dtype.kind == "u":
         values /= np.iinfo(level.dtype).max
-    values = srgb_to_linear(values) if srgb else values
-    return values.mean(axis=0)[[0, 1, 2] if values.shape[1] == 3 else [0, 0, 0]]
+    colors = values[:, :3] if values.shape[1] > 2 else values[:, [0, 0, 0]]
+    alpha = values[:, -1:] if values.shape[1] in (2, 4) else np.ones((len(values), 1))
+    return np.concatenate([srgb_to_linear(colors) if srgb else colors, alpha], axis=1).mean(axis=0)

@@ -87,6 +87,20 @@ class Mesh(HoldsArrays):
         """The lowest and highest corner of the bounding box of all drawn vertices, (2, 3) float64."""
         return np.stack([self.drawn.min(axis=0), self.drawn.max(axis=0)]).astype(np.float64)
 
+    @cached_property
+    def opening(self) -> float:
+        """The area of the opening of what the triangles enclose, over that of the triangles: 0 closed, 1 a plane.
+
+        The areas of a closed surface cancel as vectors, so that what is left of them is that of a flat opening. Of what
+        the inner sides of a convex vessel see, it is such a share, as form factors are reciprocal. 1, too, where the
+        triangles face the inside.
+        """
+        corners = self.positions if self.indices is None else self.positions[self.indices]
+        a, b, c = (corners.reshape(-1, 3, 3) - self.bounds.mean(axis=0)).transpose(1, 0, 2)
+        areas = np.cross(b - a, c - a)
+        left, walls = float(np.linalg.norm(areas.sum(axis=0))), float(np.linalg.norm(areas, axis=1).sum())
+        return min(left / walls, 1.0) if walls > 0 and np.vdot(a, areas) > 0 else 1.0
+
     @property
     def layout(self) -> tuple[object, ...]:
         """All that programs and the sizes of buffers depend on. Poses of one mesh have the same layout."""

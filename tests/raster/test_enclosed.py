@@ -1,0 +1,68 @@
+"""The light inside of what thin walls enclose, where it can be worked out on paper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planning import MAP
+from shapes import constant, moved, orthographic, plate, scene, sphere
+
+from viewer.plan.planner import plan_scene
+from viewer.raster.enclosed import light_inside
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.settings import Settings
+
+CLEAR = Material(metallic=0.0, transmission=1.0, double_sided=True)
+COLOR = np.array([0.9, 0.5, 0.1])
+
+
+def half_sphere() -> Mesh:
+    ball = sphere()
+    corners = ball.positions[ball.indices].reshape(-1, 3, 3)
+    return replace(ball, indices=ball.indices.reshape(-1, 3)[corners[..., 1].mean(axis=1) < 0].ravel())
+
+
+def inside(material: Material, mesh: Mesh, mean=None) -> np.ndarray:
+    plan = plan_scene(scene(mesh, materials=[material]), Settings(), (), samples=1, half_target=False,
+                      orthographic=False)
+    return light_inside(plan.draws[0], mesh, mean)
+
+
+@pytest.mark.parametrize("mesh, opening", [(plate(), 1.0), (half_sphere(), 0.5), (sphere(), 0.0)])
+def test_the_opening_of_a_surface(mesh, opening):
+    """Of half a ball it is half: pi r^2 over walls of 2 pi r^2."""
+    assert mesh.opening == pytest.approx(opening, abs=2e-3)
+    assert replace(mesh, indices=mesh.indices[::-1]).opening == 1.0
+
+
+def test_a_clear_wall_hides_no_light_and_a_tinted_one_only_that_of_other_colours():
+    assert inside(CLEAR, sphere()) == pytest.approx(np.ones(3))
+    assert inside(replace(CLEAR, base_color=(*COLOR, 1)), sphere()) == pytest.approx(COLOR)
+
+
+def test_what_arrives_through_an_opening_is_reflected_inside():
+    grey = replace(CLEAR, transmission=0.0, specular=0.0, base_color=(0.5, 0.5, 0.5, 1))
+    assert inside(grey, sphere()) == pytest.approx(np.zeros(3))
+    assert inside(grey, half_sphere()) == pytest.approx(np.full(3, 0.5 / (1 - 0.5 * 0.5)), abs=2e-3)
+    assert inside(grey, plate()) == pytest.approx(np.ones(3))
+
+
+def test_holes_of_a_mask_are_openings():
+    """A quarter of the wall stands, and is black."""
+    mask = replace(CLEAR, transmission=0.0, specular=0.0, base_color=(0.0, 0.0, 0.0, 1), alpha_mode="mask",
+                   base_color_texture=MAP)
+    mesh = replace(sphere(), uvs=(sphere().positions[:, :2],))
+    assert inside(mask, mesh, lambda draw, name: np.float64([1, 1, 1, 0.25])) == pytest.approx(np.full(3, 0.75))
+
+
+def test_the_far_wall_of_a_hollow_ball_has_the_light_inside(renderer):
+    """Half of a wall without interfaces transmits its colour c, half scatters c: inside is E = c/2 / (1 - c/2)."""
+    wall = replace(CLEAR, transmission=0.5, specular=0.0, base_color=(*COLOR, 1))
+    model = scene((sphere(), moved((0, 0, 0))), materials=[wall], environment=constant())
+    picture = renderer.render(model, orthographic(height=0.5), Settings.of(antialias="none"), (32, 32)).linear
+    half = COLOR / 2
+    far = half * half / (1 - half) + half
+    assert picture[15:17, 15:17, :3].mean(axis=(0, 1)) == pytest.approx(half + half * far, abs=5e-3)
