@@ -130,8 +130,8 @@ class Settings:
         "screen", "light that solids scatter inside; slab: at each point alone, by the thickness behind it; screen: "
         "also spread over the surface, by a diffusion profile in screen space", modes=_PBR)
     specular_aa: Literal["on", "off"] = _option(
-        "off", "specular antialiasing: widen highlights smaller than a pixel, which flicker less but are less exact",
-        modes=_PBR)
+        "off", "specular antialiasing of the environment: widen what is reflected smaller than a pixel, which flickers "
+        "less but is less exact; highlights of lights are means over their pixels with both", modes=_PBR)
     background_blur: float = _option(
         0.0, "blur of the environment as background: standard deviation of a Gaussian in degrees; 0: none",
         Range(0.0, 90.0))

@@ -15,23 +15,29 @@ vec3 normal_root() {
 #endif
 
 // Widens the lobe of the surface, alike in all directions.
-void widen_lobe(inout Surface s, vec3 n) {
+void widen_lobe(inout Surface s, inout Point p) {
 #if NORMAL_MAP && HAS_TANGENT && !GROOVED
     s.alpha = widened_alpha(s.alpha, normal_texel(), u_normal_scale);
     s.alpha_t = widened_alpha(s.alpha_t, normal_texel(), u_normal_scale);
 #endif
+#if LIGHT_COUNT > 0
+    p.alpha = s.alpha;
+#endif
 #if SPECULAR_AA
-    s.alpha = alpha_antialiased(s.alpha, D_DX(n), D_DY(n));
-    s.alpha_t = alpha_antialiased(s.alpha_t, D_DX(n), D_DY(n));
+    s.alpha = alpha_antialiased(s.alpha, D_DX(p.n), D_DY(p.n));
+    s.alpha_t = alpha_antialiased(s.alpha_t, D_DX(p.n), D_DY(p.n));
 #endif
 }
 
 #if CLEARCOAT
 // alpha of the clear coat, whose normal is n
-float coat_alpha(Surface s, vec3 n) {
+float coat_alpha(Surface s, vec3 n, inout Point p) {
     float alpha = s.coat_alpha;
 #if CLEARCOAT_NORMAL_MAP && HAS_TANGENT
     alpha = widened_alpha(alpha, clearcoat_normal_texel(), u_clearcoat_normal_scale);
+#endif
+#if LIGHT_COUNT > 0
+    p.coat_alpha = alpha;
 #endif
 #if SPECULAR_AA
     alpha = alpha_antialiased(alpha, D_DX(n), D_DY(n));

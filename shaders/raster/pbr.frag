@@ -77,7 +77,7 @@ void main() {
 #endif
     SurfaceView view = seen_surface(m.perceptual_roughness, s, p);
 #if LIGHT_COUNT > 0
-    widen_for_lights(s, view);
+    widen_for_lights(s, view, p);
 #endif
 
     vec3 radiance = vec3(0.0);

@@ -36,6 +36,9 @@ struct Point {
 #if GROOVED
     float unhidden; // what the lobe would reflect without masking, as a multiple of what it does
 #endif
+#if LIGHT_COUNT > 0
+    float alpha, coat_alpha; // of the lobes of lights, which are widened over the pixel by themselves
+#endif
 };
 
 // The point with its normals, the direction to the eye and the frame; the callers fill in the rest.

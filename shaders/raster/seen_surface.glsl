@@ -3,7 +3,7 @@
 
 // Also widens and stretches the lobe of the surface. `perceptual_roughness` is that of the material.
 SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Point p) {
-    widen_lobe(s, p.n);
+    widen_lobe(s, p);
 #if SPECULAR_AA || ANISOTROPIC || NORMAL_MAP
     perceptual_roughness = table_roughness(s);
 #endif
@@ -26,7 +26,7 @@ SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Poin
 #if CLEARCOAT_NORMAL_MAP && HAS_TANGENT
     n_coat = bent_over_triangle(n_coat, p.n_geometric, p.v);
 #endif
-    view.coat = make_coat(s.coat, coat_alpha(s, n_coat), n_coat, clamp(dot(n_coat, p.v), 1e-4, 1.0), u_dfg);
+    view.coat = make_coat(s.coat, coat_alpha(s, n_coat, p), n_coat, clamp(dot(n_coat, p.v), 1e-4, 1.0), u_dfg);
 #endif
     return view;
 }
@@ -34,12 +34,14 @@ SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Poin
 #if LIGHT_COUNT > 0
 // The highlight of a light has a least width, which the environment's reflection does not need: its maps are as sharp
 // as they are.
-void widen_for_lights(inout Surface s, inout SurfaceView view) {
+void widen_for_lights(inout Surface s, inout SurfaceView view, inout Point p) {
     const float least = MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS;
     s.alpha = max(s.alpha, least);
     s.alpha_t = max(s.alpha_t, least);
+    p.alpha = max(p.alpha, least);
 #if CLEARCOAT
     view.coat.alpha = max(view.coat.alpha, least);
+    p.coat_alpha = max(p.coat_alpha, least);
 #endif
 }
 #endif

@@ -1,5 +1,6 @@
 // Radiance that a surface of pbr.frag reflects from one punctual light or sun, including its shadow.
 #include "light/punctual.glsl"
+#include "bsdf/pixel_lobe.glsl"
 #if SUNS
 #include "light/sun.glsl"
 #endif
@@ -96,10 +97,13 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 between = p.v + l;
     vec3 h = between * inversesqrt(max(dot(between, between), 1e-30));
 #if SUNS
+    float radius2 = u_lights[i].intensity.w;
+#else
+    const float radius2 = 0.0;
+#endif
     vec3 slopes_x = D_DX(h - p.n), slopes_y = D_DY(h - p.n); // derivatives are undefined after a fragment returns
 #if CLEARCOAT
     vec3 coat_x = D_DX(h - view.coat.n), coat_y = D_DY(h - view.coat.n);
-#endif
 #endif
 #if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
     if (NoL < 0.0) return light_from_behind(i, p, s, view, l, irradiance);
@@ -123,12 +127,17 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 nxh = cross(p.n, h);
     Angles a = Angles(p.NoV, NoL, clamp(dot(p.n, h), 0.0, 1.0), clamp(dot(p.v, h), 0.0, 1.0), dot(nxh, nxh));
 #endif
-    float d = facet_d(s, a);
+    float d; // of a stretched lobe, one of Blinn-Phong's, and for a sun, it is that at the point
+    if (ANISOTROPIC == 0 && NDF < 2 && radius2 == 0.0) {
+        s.alpha = p.alpha;
+        d = d_over_pixel(s.alpha, p.n, h, slopes_x, slopes_y);
+    } else {
+        d = facet_d(s, a);
+    }
 #if GROOVED
     d *= p.unhidden;
 #endif
 #if SUNS
-    float radius2 = u_lights[i].intensity.w;
     if (radius2 > 0.0) d = min(d, max_sun_d(mean_alpha(s), radius2, a.VoH, slopes_x, slopes_y));
 #endif
     vec2 dfg = light_albedo(p, s, l, NoL, view.perceptual_roughness);
@@ -145,7 +154,13 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
         Coat c = view.coat;
         vec3 c_x_h = cross(c.n, h);
         float c_o_h = clamp(dot(c.n, h), 0.0, 1.0);
-        float coat_d = d_microfacet(c_o_h, dot(c_x_h, c_x_h), c.alpha);
+        float coat_d;
+        if (NDF < 2 && radius2 == 0.0) {
+            c.alpha = p.coat_alpha;
+            coat_d = d_over_pixel(c.alpha, c.n, h, coat_x, coat_y);
+        } else {
+            coat_d = d_microfacet(c_o_h, dot(c_x_h, c_x_h), c.alpha);
+        }
 #if SUNS
         if (radius2 > 0.0) coat_d = min(coat_d, max_sun_d(c.alpha, radius2, a.VoH, coat_x, coat_y));
 #endif

@@ -156,6 +156,8 @@ MUTATIONS = [
     Mutation("coat reflects no environment", "bsdf/layer/coat.glsl", "return single * float(SHOW_SPECULAR) +",
              "return 0.0 * single +"),
     Mutation("coat reflects no light", "raster/shade_light.glsl", "* irradiance * coat_NoL;", "* 0.0;"),
+    Mutation("highlights are no means over their pixels", "bsdf/pixel_lobe.glsl", "float a2 = alpha * alpha,",
+             "x = y = vec3(0.0); float a2 = alpha * alpha,"),
     Mutation("one index for all colours", "raster/transmission.glsl", "vec3 ior = ior_of_bands(m.ior, m.dispersion);",
              "vec3 ior = vec3(m.ior);"),
     Mutation("traced paths leave with one index for all colours", "raster/refraction_step.frag",

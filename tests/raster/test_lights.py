@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import WHITE, orthographic, plate, scene, seen_plane
+from shapes import WHITE, orthographic, plate, scene, seen_plane, sphere
 
 from viewer.bake.dfg import directional_albedo
 from viewer.scene.camera import Camera
@@ -140,3 +140,17 @@ def test_a_mirror_shows_a_sun_no_brighter_than_it_is(radiance, elevation):
     for size, least, most in ((radius, 0.99, 1.001), (0.0, 100.0, 1e9)):
         seen = radiance(lit(replace(sun, angular_radius=size), mirror), orthographic(0.0, -elevation), shadows="off")
         assert least < seen[..., 1].min() <= seen[..., 1].max() < most
+
+
+@pytest.mark.parametrize("coat", [0.0, 1.0])
+def test_highlights_finer_than_a_pixel_keep_their_light(radiance, coat):
+    """On a ball of 12 pixels, beside the same with 16 x 16 as many: most of its highlight lies between the points that
+    are shaded."""
+    shiny = Material(base_color=(0, 0, 0, 1), perceptual_roughness=0.15, metallic=0.0, clearcoat=coat,
+                     clearcoat_roughness=0.1, specular=1.0 - coat)
+    ball = scene(sphere(), materials=[shiny], lights=(Light.from_angles(0.4, 0.3, 1.0),))
+    camera = orthographic(height=2.3)
+    fine, coarse = (radiance(ball, camera, (size, size), shadows="off")[..., 1] for size in (224, 14))
+    blocks = fine.reshape(14, 16, 14, 16).mean(axis=(1, 3))
+    assert coarse.sum() == pytest.approx(blocks.sum(), rel=0.15)  # by D at the points alone, 3 % and 13 % of it
+    assert np.abs(coarse - blocks).max() < 0.6 * blocks.max()
