@@ -14,7 +14,7 @@ from viewer.scene.camera import Camera
 from viewer.scene.material import Material
 from viewer.settings import Settings
 from viewer.trace.layout import NO_KIND, TILE
-from viewer.trace.paths import wavefront_maker
+from viewer.trace.paths import coverage, path_render, wavefront_maker
 from viewer.trace.paths.arrangement import Arrangement
 from viewer.trace.paths.run import run
 from viewer.trace.rays.embree import EmbreeIntersector
@@ -44,7 +44,7 @@ def test_each_path_keeps_its_home(context, seed, height):
         fits = chosen.sum(axis=1).cumsum() <= arrangement.room
         blocks, chosen = blocks[fits], chosen[fits]
         if len(blocks):
-            row, rows = arrangement.begin(blocks, None if chosen.all() else chosen)
+            row, rows = arrangement.begin(blocks, chosen)
             begun, wanted = arrangement.homes(row, rows), arrangement.homes_of[blocks][chosen]
             assert (path[row * width:] == -1).all() and np.isin(wanted, begun).all()
             assert np.isin(begun, arrangement.homes_of[blocks]).all(), "no path of another block begins again"
@@ -77,15 +77,17 @@ def test_pictures_are_those_of_paths_that_never_move(context, monkeypatch, layer
     scene = scene.relit(environment=lopsided(), lights=scene.lights)
     camera = Camera.framing(scene.center, scene.radius, 1.0)
     pictures = []
+    monkeypatch.setattr(path_render, "LAST_INTERVAL", 1)  # so that blocks are added in one order: as they are done
+    monkeypatch.setattr(coverage, "coverage", lambda *seen: None)
     for tells in (True, False):
         monkeypatch.setattr(EmbreeIntersector, "tells_classes", tells)
         tracer = Tracer(context, intersector="embree")
-        path_render = tracer.begin(scene, camera, Settings.of(mode="path", spp=6), (40, 24), layers)
-        assert path_render.plan.is_sorted == tells
-        run(path_render, 0.0)
-        image = path_render.image()
+        render = tracer.begin(scene, camera, Settings.of(mode="path", spp=6), (40, 24), layers)
+        assert render.plan.is_sorted == tells
+        run(render, 0.0)
+        image = render.image()
         pictures.append([image.linear, *image.layers.values()])
-        path_render.release()
+        render.release()
         tracer.release()
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(*pictures, strict=True))
 
@@ -95,6 +97,7 @@ def test_adaptive_samples_all_come_home(context, monkeypatch, layers):
     """Pixels have the samples that the schedule gave them, each once. With more homes than places the picture is the
     same, but for the order in which blocks are added, and takes fewer iterations."""
     monkeypatch.setattr(wavefront_maker, "SOFTWARE_SIDE", 4)
+    monkeypatch.setattr(coverage, "coverage", lambda *seen: None)  # all pixels are traced, so that both begin alike
     model = scene(sphere(segments=32), (plate(1), facing_floor(0.1, y=1.4)), materials=[WHITE, LAMP],
                   environment=constant(0.1))
     camera = Camera.framing(model.center, model.radius, 1.0)
@@ -127,6 +130,31 @@ def test_adaptive_samples_all_come_home(context, monkeypatch, layers):
     tracer.release()
     np.testing.assert_allclose(films[1], films[0], rtol=1e-5, atol=1e-5)
     assert iterations[1] == iterations[0] if layers else iterations[1] < 0.9 * iterations[0]
+
+
+def test_pixels_without_geometry_take_no_place(context, monkeypatch):
+    """So the samples of the others are in flight at once, and the picture is that of blocks with all their pixels."""
+    model = scene(sphere(segments=32), (plate(1), facing_floor(0.1, y=1.4)), materials=[WHITE, LAMP],
+                  environment=constant(0.1))
+    camera = Camera.framing(model.center, model.radius, 1.0)
+    tracer, pictures, most = Tracer(context, intersector="embree"), [], []
+    for side in (4, 16):  # a larger one holds all pixels
+        monkeypatch.setattr(wavefront_maker, "SOFTWARE_SIDE", side)
+        path_render = tracer.begin(model, camera, Settings.of(mode="path", spp=16), (48, 48))
+        begun, shown = [], []
+        while not path_render.is_done:
+            path_render.step(0.0)
+            begun.append(max(int(traced.wavefront.is_busy.sum()) for traced in path_render._wavefronts))
+            shown.append(path_render.samples)
+            assert len(shown) < 1000
+        assert path_render.bad_samples == 0 and shown[-1] == 16 and (np.diff(shown) >= 0).all()
+        most.append(max(begun))
+        pictures.append(path_render.read_radiance())
+        assert not path_render._sky.covered.all()
+        path_render.release()
+    tracer.release()
+    assert most[0] > 4 * 4, "more blocks than it has texels for"
+    np.testing.assert_allclose(*pictures, rtol=1e-5, atol=1e-5)
 
 
 def test_a_graphics_card_with_embree_keeps_all_samples(context, monkeypatch):

@@ -148,15 +148,27 @@ def test_a_picture_larger_than_a_wavefront_shows_one_sample_first():
     assert rounds == [{1}, {2}, {4}, {4}, {4}, {4}]
 
 
-@pytest.mark.parametrize("traced, samples", [(100, 8), (10, 4), (0, 1), (None, 1)])
-def test_a_picture_that_a_wavefront_holds_fills_two_with_what_is_traced(traced, samples):
-    """Its items take it to the end at once, if they are not too long; tiles that are not traced take no place."""
+@pytest.mark.parametrize("tiles, pixels, most", [(100, 256, 8), (10, 256, 4), (10, 128, 2), (10, 3, 1), (0, 0, None)])
+def test_a_picture_that_a_wavefront_holds_fills_two_with_what_is_traced(tiles, pixels, most):
+    """Its items take it to the end at once, if they are not too long; a tile that is not traced has a single one."""
+    traced = np.zeros((10, 10), int)
+    traced.flat[:tiles] = pixels
     schedule = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path"), traced=traced)
     work = schedule.next(100, True)
-    assert {item.samples for item in work} == {samples} and len({item[:2] for item in work}) == 100
-    small = Schedule(NoisyFilm(np.ones((2, 2))), Settings(mode="path"), traced=4)
-    waves = [small.next(64, True), small.next(64, False)]
-    assert [{item.samples for item in wave} for wave in waves] == [{2}, {2}] and small.done
+    assert len(work) == 100 and schedule.done == (tiles == 0)
+    while not schedule.done:
+        work += schedule.next(1000, False)
+    items = {(x, y): [item.samples for item in work if item[:2] == (x, y)] for x in range(10) for y in range(10)}
+    assert all(sum(own) == 64 for own in items.values())
+    assert all(max(own) == most if traced[y, x] else len(own) == 1 for (x, y), own in items.items())
+    paths = sum(traced[item.tile_y, item.tile_x] for item in work)
+    assert most == 8 or paths <= 2 * 100 * TILE**2, "some would wait for a place"
+    assert most in (None, 1, 8) or paths > 0.85 * 2 * 100 * TILE**2
+
+
+def test_without_a_count_of_what_is_traced_a_picture_begins_with_small_rounds():
+    work = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path")).next(100, True)
+    assert {item.samples for item in work} == {1} and len({item[:2] for item in work}) == 100
 
 
 def test_a_target_is_reached_everywhere_and_what_is_done_rests():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
@@ -28,6 +27,7 @@ from ..scene.woven import woven
 from ..scene.yarn.spun import spun
 from ..settings import MAX_SPP, Settings
 from .denoise.denoiser import Denoiser, make_denoiser
+from .layout import TILE
 from .paths.camera_rays import camera_uniforms
 from .paths.coverage import LastCoverage
 from .paths.film import Film
@@ -182,8 +182,10 @@ class Tracer:
         passes = Passes(self.context, self.programs, plan, use_textures, setup.traced.set_uniforms,
                         {**setup.uniforms, "u_sky": UNIT_SKY})
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
-        tiles = math.prod(film.tiles) if sky is None else int(np.count_nonzero(~sky.is_bare))
-        schedule = Schedule(film, settings, first, None if plan.photons else tiles)  # photons come after small rounds
+        traced = np.full(film.tiles[::-1], TILE**2)
+        if sky is not None:
+            traced = sky.covered.sum(axis=(2, 3)) if plan.is_sorted else TILE**2 * ~sky.is_bare
+        schedule = Schedule(film, settings, first, None if plan.photons else traced)  # photons come after small rounds
         return PathRender(passes, setup.traced.intersector, plan, film, schedule, settings,
                           self._display, layers, setup.denoiser, photons, guide, sky, is_interactive, first)
 

@@ -105,14 +105,12 @@ class Arrangement:
     def _row_after(self, texels: int) -> int:
         return -(-texels // self._size[0])
 
-    def begin(self, blocks: NDArray[np.intp], chosen: NDArray[np.bool_] | None = None) -> tuple[int, int]:
-        """Give places in whole rows to the paths of blocks that have none; returns the first row and their number. If
-        homes are `chosen`, (blocks, TILE^2), only those have a path, and others of these blocks fill the last row."""
-        homes = self.homes_of[blocks].ravel()
-        if chosen is not None:
-            count = self._row_after(int(np.count_nonzero(chosen))) * self._size[0]
-            homes = homes[np.argsort(~chosen.ravel(), kind="stable")[:count]]
-        row, count = self._row_after(self._used), len(homes)
+    def begin(self, blocks: NDArray[np.intp], chosen: NDArray[np.bool_]) -> tuple[int, int]:
+        """Give places in whole rows to the paths of blocks that have none; returns the first row and their number. Only
+        `chosen` homes, (blocks, TILE^2), have a path, and others of these blocks fill the last row."""
+        count = self._row_after(int(np.count_nonzero(chosen))) * self._size[0]
+        homes = self.homes_of[blocks].ravel()[np.argsort(~chosen.ravel(), kind="stable")[:count]]
+        row = self._row_after(self._used)
         first, rows = row * self._size[0], count // self._size[0]
         home, begun = self._home, np.zeros(len(self._home), bool)
         begun[homes] = True

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 REFILLS = 16
 """Most times that the schedule is asked for work at once, since much of it may be tiles that are not traced."""
+LAST_INTERVAL = 16
+"""Iterations of a wavefront, once all work was handed out, after which blocks that are done are added to the film."""
 
 
 class PathRender:
@@ -61,11 +63,13 @@ class PathRender:
         maker = WavefrontMaker(context, plan, math.prod(film.tiles) * settings.most_spp, is_interactive)
         self._check_interval = maker.check_interval
         self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs, is_sorted=plan.is_sorted,
-                                                         chooses=plan.chooses_pixels))
+                                                         chooses=plan.chooses_pixels,
+                                                         covered=None if sky is None else sky.covered))
                             for _ in range(2)]
         self._photons: PhotonRender | None = None
         if photon_passes is not None and film.photon_sums is not None:
             self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker, first)
+        self._last_interval = LAST_INTERVAL if self._photons is None else 1  # photons keep pace with the film
         self._flush: Callable[[], None] = context.function("glFlush")
         self._finish: Callable[[], None] = context.function("glFinish")
         self._sky = sky
@@ -168,7 +172,7 @@ class PathRender:
         if self.plan.is_sorted:
             self._finish()  # while this thread waits in a read instead, Python lets no other go on tracing
         if first.iterations % self._check_interval == 0:
-            self._refill(first.wavefront)
+            self._refill(first)
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
         if second.finish is not None:
             answer = second.finish()
@@ -183,13 +187,19 @@ class PathRender:
         second.wavefront.settle()
         self._wavefronts = [second, first]
 
-    def _refill(self, wavefront: Wavefront) -> None:
-        """Add blocks that are done to the film, and give new work to blocks that have none."""
+    def _refill(self, traced: TracedWavefront) -> None:
+        """Add blocks that are done to the film, and give new work to blocks that have none.
+
+        Where all work was handed out nothing waits for their places, and it takes less time to add many together.
+        """
+        wavefront = traced.wavefront
         if wavefront.is_busy.any():
             if wavefront.gathered is not None:
                 wavefront.gathered.read()
-            done = np.flatnonzero(wavefront.is_busy & ~self._passes.find_alive(wavefront))
-            self._collect(wavefront, done)
+            is_done = wavefront.is_busy & ~self._passes.find_alive(wavefront)
+            if (not self._schedule.done or traced.iterations % self._last_interval == 0
+                    or np.count_nonzero(is_done) == np.count_nonzero(wavefront.is_busy)):
+                self._collect(wavefront, np.flatnonzero(is_done))
         if self._schedule.done:
             return
         room, free = wavefront.room, np.flatnonzero(~wavefront.is_busy)
@@ -202,7 +212,7 @@ class PathRender:
                 break
             begun = self._without_sky(work)
             wanted += begun
-            room -= sum(item.paths for item in begun)
+            room -= int(np.count_nonzero(wavefront.traced(begun)))
         if wanted:
             wanted.sort()  # by tiles: paths side by side then read the same triangles and texels, which caches keep
             blocks = free[: len(wanted)]

@@ -19,7 +19,7 @@ from ...settings import Settings
 from ..layout import TILE
 from .distribution import MOST_GROWTH, allocate
 from .film import Film
-from .wavefront import SECOND, Work
+from .wavefront import MOST_SAMPLES, SECOND, Work
 
 PILOT = 16
 """Samples per pixel before pixels get different numbers."""
@@ -30,6 +30,8 @@ GROWTH = 4.0
 MAX_CHUNK, LONG_CHUNK = 4, 8
 """Most samples of one work item. Small items keep the blocks of a wavefront busy until its end. The longer ones are for
 pictures of a given number of samples whose tiles a wavefront holds all at once, where no item need wait for another."""
+FULL = 0.95
+"""Part of their places that the work of a small picture fills in two wavefronts, so that no item waits for a place."""
 MIN_COLLECTED = 0.9
 """Part of the samples handed out that has to be in the film before the next adaptive round."""
 _LARGEST = 1e30
@@ -57,11 +59,12 @@ class _Round:
 class Schedule:
     """Hands out work to the wavefronts of one picture. `done`: all work has been handed out."""
 
-    def __init__(self, film: Film, settings: Settings, first: int = 0, traced: int | None = None) -> None:
+    def __init__(self, film: Film, settings: Settings, first: int = 0,
+                 traced: NDArray[np.int64] | None = None) -> None:
         """`first` is the number of the first sample, for a part of a picture that is neither adaptive nor timed.
 
-        `traced` is how many tiles have pixels that are traced, if the work of a small picture is to begin at once;
-        None: small rounds come first."""
+        `traced`, (rows, columns), is how many pixels of each tile are traced, if the work of a small picture is to
+        begin at once; None: small rounds come first."""
         self._film, self._target, self._most = film, settings.error, first + settings.most_spp
         self._is_timed = settings.time_budget is not None
         self._is_adaptive = settings.error is not None or self._is_timed
@@ -73,7 +76,6 @@ class Schedule:
         self._step = MAX_CHUNK * (2 if film.parts else 1)  # of a pixel's samples, as many for each part
         self._traced = traced
         self._rounds = 0
-        self._chunk: int | None = None
         self._parts = np.zeros((2, rows, columns), np.int64)
         """Samples of each tile that were handed out for each part of the film, if it has parts."""
         self._queue: deque[_Round] = deque()
@@ -123,10 +125,8 @@ class Schedule:
         if self._is_timed and self._rounds == 1 and not is_last:
             return False
         if self._issued.min() < self._pilot:
-            chunk = self._first_chunk(count)
-            each = chunk * (1 if self._is_timed and not self._rounds else max(count // self._issued.size, 1))
-            wanted = np.minimum(self._issued + each, self._pilot)
-            planned = _Round(_in_turn(self._issued, wanted, chunk))
+            wanted, parts = self._first_round(count)
+            planned = _Round(_in_turn(self._issued, wanted, parts))
             self._issued = wanted
             self._given[:] = wanted.max()  # tiles have equal numbers so far
         else:
@@ -136,14 +136,21 @@ class Schedule:
         self._rounds += 1
         return bool(len(planned.items))
 
-    def _first_chunk(self, count: int) -> int:
-        """Samples of a work item, if one wavefront asks for so many items, before tiles get different numbers."""
-        if self._film.parts and self._issued.min() < MAX_CHUNK:
-            return 1  # so that both parts have as many of few samples
-        if self._traced is not None and not self._rounds and not self._is_timed and count >= self._issued.size:
-            left = self._pilot - int(self._issued.min())
-            self._chunk = min(max(-(-self._traced * left // (2 * count)), 1), LONG_CHUNK)  # fills two wavefronts
-        return self._chunk or min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
+    def _first_round(self, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """How many samples tiles have after a round in which they get equal numbers, and of how many work items it is,
+        (rows, columns) each, if one wavefront asks for `count`."""
+        has_parts = bool(self._film.parts)
+        if self._traced is not None and not self._is_timed and not has_parts and count >= self._issued.size:
+            fitting = max(int(2 * FULL * count * TILE**2) // max(int(self._traced.sum()), 1), 1)  # in two wavefronts
+            each = np.minimum(self._pilot - self._issued, fitting * LONG_CHUNK)
+            parts = np.minimum(fitting, each)
+            return self._issued + each, np.where(self._traced > 0, parts, -(-each // MOST_SAMPLES))
+        chunk = min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
+        if has_parts and self._issued.min() < MAX_CHUNK:
+            chunk = 1  # so that both parts have as many of few samples
+        more = chunk * (1 if self._is_timed and not self._rounds else max(count // self._issued.size, 1))
+        wanted = np.minimum(self._issued + more, self._pilot)
+        return wanted, -(-(wanted - self._issued) // chunk)
 
     def _distributed(self, is_last: bool) -> _Round:
         """Work for the pixels around which there is most noise, so as to lower the mean relative variance most."""
@@ -161,7 +168,8 @@ class Schedule:
         self._given += more
         by_tile, first = self._by_tile(more), self._issued
         self._issued = first + by_tile.max(axis=(2, 3)) // MAX_CHUNK * MAX_CHUNK
-        return _Round(_in_turn(first, self._issued, MAX_CHUNK), first[..., None, None] + by_tile)
+        items = _in_turn(first, self._issued, (self._issued - first) // MAX_CHUNK)
+        return _Round(items, first[..., None, None] + by_tile)
 
     def _needed(self, tiles: np.ndarray, deviation: np.ndarray, target: float) -> np.ndarray:
         """How many samples of each pixel, (H, W), the target takes, if a tile's are in proportion to `deviation`.
@@ -190,18 +198,17 @@ class Schedule:
         return padded.reshape(rows, TILE, columns, TILE).swapaxes(1, 2)
 
 
-def _in_turn(first: NDArray, last: NDArray, chunk: int) -> NDArray[np.int64]:
-    """Work items of at most `chunk` samples, from number `first` of each tile, (rows, columns), to before `last`, in
-    the order in which they are handed out: (items, 4), as `Work` has them.
+def _in_turn(first: NDArray, last: NDArray, parts: NDArray) -> NDArray[np.int64]:
+    """Work items, so many `parts` of each tile, (rows, columns), from number `first` to before `last`, in the order in
+    which they are handed out: (items, 4), as `Work` has them.
 
     Tiles progress evenly: whenever the render is stopped, all have had about the same part of their samples.
     """
     rows, columns = np.nonzero(last > first)
-    first, samples = first[rows, columns], (last - first)[rows, columns]
-    parts = -(-samples // chunk)
+    first, samples, parts = (of[rows, columns] for of in (first, last - first, parts))
     tile = np.repeat(np.arange(len(parts)), parts)
     part = np.arange(len(tile)) - (np.cumsum(parts) - parts)[tile]
-    order = np.argsort((part + 0.5) / parts[tile], kind="stable")
+    order = np.argsort(part / parts[tile], kind="stable")
     tile, part = tile[order], part[order]
     low, high = (first[tile] + samples[tile] * k // parts[tile] for k in (part, part + 1))
     return np.stack([columns[tile], rows[tile], low, high - low], axis=1)

@@ -36,8 +36,8 @@ class Sky:
         self.framebuffer = context.gl.framebuffer([self.texture])
         self.mask = context.gl.texture((width, height), 1, covered.astype(np.uint8) * np.uint8(255), alignment=1)
         padded = np.pad(covered, ((0, -height % TILE), (0, -width % TILE)))
-        tiles = padded.reshape(padded.shape[0] // TILE, TILE, -1, TILE)
-        self.is_bare: NDArray[np.bool_] = np.logical_not(tiles.any(axis=(1, 3)))
+        self.covered = padded.reshape(padded.shape[0] // TILE, TILE, -1, TILE).swapaxes(1, 2)
+        self.is_bare: NDArray[np.bool_] = np.logical_not(self.covered.any(axis=(2, 3)))
 
     def release(self) -> None:
         for thing in (self.framebuffer, self.texture, self.mask):

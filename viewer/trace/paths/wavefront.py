@@ -36,20 +36,19 @@ SECOND = 1 << 23
 """Number of the first sample of the second part of a film."""
 
 
+MOST_SAMPLES = 1023
+"""Of a work item, see `LEFT_BITS` of shaders/trace/state.glsl."""
+
+
 class Work(NamedTuple):
-    """A work item: `samples` samples (at most 1023), from number `first` on, of each pixel of a tile, or only of its
-    `pixels`, (TILE, TILE), row 0 at the bottom."""
+    """A work item: `samples` samples, at most MOST_SAMPLES, from number `first` on, of each pixel of a tile, or only of
+    its `pixels`, (TILE, TILE), row 0 at the bottom."""
 
     tile_x: int
     tile_y: int
     first: int
     samples: int
     pixels: NDArray[np.bool_] | None = None
-
-    @property
-    def paths(self) -> int:
-        """How many paths it takes at once, at most."""
-        return TILE**2 if self.pixels is None else int(np.count_nonzero(self.pixels))
 
 
 class Sums:
@@ -70,7 +69,8 @@ class Sums:
 
 class Wavefront:
     """`columns` x `rows` blocks of TILE x TILE paths. If it is sorted, there can be `more_homes` times as many
-    blocks, of which those have few paths whose work is for few pixels of its tile.
+    blocks, of which those have few paths whose work is for few pixels of its tile, or of whose tile few are `covered`
+    (`viewer.trace.paths.sky.Sky`).
 
     There are two states. The textures of the present one are attributes, by their names in `STATE`. Passes read them
     and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, with `has_along`, `along`
@@ -91,7 +91,8 @@ class Wavefront:
 
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
                  has_along: bool = False, has_grids: bool = False, sees_backs: bool = False,
-                 is_sorted: bool = False, chooses: bool = False, more_homes: int = 1) -> None:
+                 is_sorted: bool = False, chooses: bool = False, more_homes: int = 1,
+                 covered: NDArray[np.bool_] | None = None) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows * more_homes
         self.sees_backs = sees_backs
@@ -126,6 +127,7 @@ class Wavefront:
             self.gathered = Gathered(gl, self.arrangement, self.size, SUMS, depth)
         self.begun_rows = 0, 0
         """The first row, and the number of rows, of a sorted wavefront that have the paths of work assigned last."""
+        self._covered = covered
         self.work = np.zeros((blocks, 4), np.int32)
         self.is_busy = np.zeros(blocks, bool)
         self.chosen = np.ones((blocks, TILE, TILE), bool) if chooses else None
@@ -206,8 +208,17 @@ class Wavefront:
             texels = self.chosen.reshape(rows, columns, TILE, TILE).swapaxes(1, 2)
             self._chosen.write((texels * np.uint8(255)).tobytes())
         if self.arrangement is not None:
-            chosen = None if self.chosen is None else self.chosen[blocks].reshape(len(blocks), -1)
-            self.begun_rows = self.arrangement.begin(blocks, chosen)
+            self.begun_rows = self.arrangement.begin(blocks, self.traced(work))
+
+    def traced(self, work: Sequence[Work]) -> NDArray[np.bool_]:
+        """For which pixels work items have paths that take a place, (items, TILE^2)."""
+        traced = np.ones((len(work), TILE, TILE), bool)
+        if self._covered is not None:
+            traced = self._covered[[item.tile_y for item in work], [item.tile_x for item in work]]
+        for own, item in zip(traced, work, strict=True):
+            if item.pixels is not None and self.arrangement is not None:
+                own &= item.pixels
+        return traced.reshape(len(work), TILE**2)
 
     def bind(self) -> None:
         """Bind the present state, the hits and the work items to the units in `UNITS`."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...gpu.context import Context
 from ..plan import TracePlan
 from .wavefront import Wavefront
@@ -15,8 +18,8 @@ SMALL_SIDE = 8
 smaller wavefront fewer texels wait for them, and what is read and drawn stays in the caches. In an interactive view
 input waits for a round of the wavefronts, which takes a quarter of the time then, with slightly fewer rays a second."""
 MORE_HOMES = 2
-"""How many times as many blocks as others a sorted wavefront has if work items may be for few pixels of their tiles, so
-that their paths fill it. Layers are drawn over all homes, and with them it has no more."""
+"""How many times as many blocks as others a sorted wavefront has if work items may have paths for few pixels of their
+tiles, so that their paths fill it. Layers are drawn over all homes, and with them it has no more."""
 DEVICE_CHECK_INTERVAL = 4
 """Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
 
@@ -32,8 +35,9 @@ class WavefrontMaker:
         self.check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
 
     def make(self, has_layers: bool = False, sees_backs: bool = False, is_sorted: bool = False,
-             chooses: bool = False) -> Wavefront:
+             chooses: bool = False, covered: NDArray[np.bool_] | None = None) -> Wavefront:
         plan = self._plan
         return Wavefront(self._context, self._columns, self._rows, plan.has_transmission, has_layers,
                          plan.has_along, plan.has_grids, sees_backs, is_sorted, chooses,
-                         MORE_HOMES if is_sorted and chooses and not has_layers else 1)
+                         MORE_HOMES if is_sorted and (chooses or covered is not None) and not has_layers else 1,
+                         covered if is_sorted else None)
