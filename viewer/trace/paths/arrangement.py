@@ -35,10 +35,10 @@ class Arrangement:
         assert TILE % columns == 0 and height <= rows * TILE and not (finds_places and height < rows * TILE)
         self._size = columns * TILE, height
         numbers = np.arange(columns * rows * TILE**2)
-        x, y = numbers % self._size[0], numbers // self._size[0]
-        self._texels = (y << 16 | x).astype(np.int32)  # as the shader reads them
-        self._block = y // TILE * columns + x // TILE  # of each home
-        self.homes_of = np.argsort(self._block, kind="stable").reshape(columns * rows, TILE * TILE)
+        x, y = np.arange(columns * TILE, dtype=np.int32), np.arange(rows * TILE, dtype=np.int32)[:, None]
+        self._texels = (y << 16 | x).ravel()  # as the shader reads them
+        self._block = (y // TILE * columns + x // TILE).ravel()  # of each home
+        self.homes_of = numbers.reshape(rows, TILE, columns, TILE).swapaxes(1, 2).reshape(columns * rows, TILE**2)
         """(blocks, TILE^2), the homes of each block."""
         self._textures = {name: gl.texture(self._size, 1, dtype="i4") for name in UNITS}
         for texture in self._textures.values():

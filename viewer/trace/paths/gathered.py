@@ -63,7 +63,8 @@ class Gathered:
         first, last = int(homes.min()) // width, int(homes.max()) // width + 1
         for texture, sums in zip(self.textures, self._sums, strict=True):
             texture.write(sums[first * width:last * width], viewport=(0, first, width, last - first))
-        self._sums[:, homes] = 0
+        for sums in self._sums:
+            put_texels(sums, homes.ravel(), np.zeros((1, 4), np.float32))
 
     def release(self) -> None:
         self.finished.release()

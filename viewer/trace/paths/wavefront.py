@@ -52,13 +52,14 @@ class Work(NamedTuple):
 
 
 class Sums:
-    """Float textures that collect sums by blending."""
+    """Float textures that collect sums by blending. They are 0 with `is_zero`, else a pass begins them."""
 
     def __init__(self, gl: moderngl.Context, size: tuple[int, int], count: int,
-                 depth: moderngl.Texture | moderngl.Renderbuffer | None = None) -> None:
+                 depth: moderngl.Texture | moderngl.Renderbuffer | None = None, is_zero: bool = True) -> None:
         self.textures = [float_target(gl, size) for _ in range(count)]
         self.framebuffer = gl.framebuffer(self.textures, depth)
-        self.framebuffer.clear()
+        if is_zero:
+            self.framebuffer.clear()
         self.framebuffer.depth_mask = False
 
     def release(self) -> None:
@@ -107,8 +108,9 @@ class Wavefront:
         for target in (*self._targets, *self._origins):
             target.depth_mask = False
         self._present = 0
-        for target in self._targets:
-            target.clear()
+        if not is_sorted:  # which draws all that is read
+            for target in self._targets:
+                target.clear()
         self.hit = gl.texture(self.size, 4, dtype="u4")
         self.along = float_target(gl, self.size) if has_along else None
         self._along_volumes = [float_target(gl, self.size) for _ in range(2)] if has_grids else []
@@ -120,7 +122,7 @@ class Wavefront:
         self._block_numbers = gl.buffer(reserve=4 * blocks)
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
         self.alive = gl.framebuffer([gl.texture(self.grid, 1)])
-        self.sums = Sums(gl, homes, SUMS, None if is_sorted else depth)
+        self.sums = Sums(gl, homes, SUMS, None if is_sorted else depth, is_zero=False)
         self.layers = Sums(gl, self.size, LAYERS, depth) if has_layers else None
         self.gathered: Gathered | None = None
         if self.arrangement is not None:
