@@ -45,10 +45,11 @@ def run(path_render: PathRender, started: float, report: Report | None = None,
 
 def how_far(path_render: PathRender) -> str:
     """The progress as text: `12.3 of 64 samples a pixel, estimated error 0.08`."""
-    settings, error = path_render.settings, path_render.error
+    settings, samples, error = path_render.settings, path_render.samples, path_render.error
+    told = f"{samples:.3g}" if samples < 999.5 else f"{samples:.0f}"
     goal = f" of {settings.most_spp}" if _ends_by_samples(settings) else ""
     estimate = f", estimated error {error:.2g}" if error < float("inf") else ""
-    return f"{path_render.samples:.3g}{goal} samples a pixel{estimate}"
+    return f"{told}{goal} samples a pixel{estimate}"
 
 
 def _ends_by_samples(settings: Settings) -> bool:
