@@ -8,8 +8,11 @@
 #include "raster/in_media.glsl"
 #endif
 
+#if SMOOTH
+uniform usamplerBuffer u_background;
+uniform vec3 u_background_shape;
+#else
 uniform sampler2D u_background;
-#if !SMOOTH
 uniform float u_lod;         // of the map that matches a pixel
 #endif
 uniform float u_environment_intensity;
@@ -20,7 +23,7 @@ out vec4 o_color;
 void main() {
     vec3 d = normalize(v_ray);
 #if SMOOTH
-    vec3 radiance = bspline(u_background, equirect_uv(d)) * u_environment_intensity;
+    vec3 radiance = bspline(u_background, u_background_shape, equirect_uv(d)) * u_environment_intensity;
 #else
     vec3 radiance = textureLod(u_background, equirect_uv(d), u_lod).rgb * u_environment_intensity;
 #endif

@@ -4,12 +4,14 @@
 #include "trace/equirect.glsl"
 #include "light/bspline.glsl"
 
-uniform sampler2D u_background;
+uniform usamplerBuffer u_background;
+uniform vec3 u_background_shape;
 #endif
 
 vec3 background_radiance(vec3 d) {
 #if BACKGROUND == 2
-    return bspline(u_background, precise_equirect_uv(turn_environment(d, 1.0))) * u_environment_intensity;
+    vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
+    return bspline(u_background, u_background_shape, uv) * u_environment_intensity;
 #else
     return environment_radiance(d);
 #endif

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from contexts import open_or_skip
 
+from viewer.gpu.context import Context
+from viewer.gpu.smooth_map import SmoothMap
 from viewer.gpu.source import assemble
 
 VERTEX = """#version 330 core
@@ -18,22 +20,27 @@ void main() { gl_Position = vec4(vec2(gl_VertexID == 1, gl_VertexID == 2) * 4.0 
 
 
 @pytest.fixture(scope="module")
-def gl() -> Iterator[moderngl.Context]:
+def egl() -> Iterator[Context]:
     with open_or_skip("egl") as context:
-        yield context.gl
+        yield context
+
+
+@pytest.fixture(scope="module")
+def gl(egl: Context) -> moderngl.Context:
+    return egl.gl
 
 
 @pytest.fixture
 def evaluate(gl, tmp_path: Path):
     """Runs GLSL on each row of `inputs`, (N, 4), as the vec4 `i`: what `expression`, a vec4, gives, (N, 4) float64.
 
-    `include` is a file of the shaders folder, without its ending. `uniforms` are arrays or a texture, declared in
-    `declarations`.
+    `include` is a file of the shaders folder, without its ending. `uniforms` are arrays, a texture or a map, declared
+    in `declarations`.
     """
 
     def run(include: str, expression: str, inputs: np.ndarray, declarations: str = "",
             defines: Mapping[str, float] | None = None,
-            **uniforms: np.ndarray | moderngl.Texture | moderngl.Texture3D) -> np.ndarray:
+            **uniforms: np.ndarray | moderngl.Texture | moderngl.Texture3D | SmoothMap) -> np.ndarray:
         file = tmp_path / "evaluate.frag"
         file.write_text(f'#include "{include}.glsl"\n{declarations}\nuniform sampler2D inputs;\nout vec4 o;\n'
                         "void main() { vec4 i = texelFetch(inputs, ivec2(gl_FragCoord.xy), 0);"
@@ -48,6 +55,8 @@ def evaluate(gl, tmp_path: Path):
             if isinstance(value, moderngl.Texture | moderngl.Texture3D):
                 value.use(1)
                 program[name] = 1
+            elif isinstance(value, SmoothMap):
+                value.bind(program, name, 1)
             else:
                 program[name].write(value.astype("f4").tobytes())
         target = gl.framebuffer([gl.texture((count, 1), 4, dtype="f4")])

@@ -45,7 +45,7 @@ class Sampled:
 
     def __init__(self, context, folder, radiance: np.ndarray, angle: float = 0.0, intensity: float = 1.0) -> None:
         self.context, self.folder = context, folder
-        self.table = EnvironmentTable(context.gl, Environment("map", radiance, angle, intensity), radiance)
+        self.table = EnvironmentTable(context, Environment("map", radiance, angle, intensity), radiance)
         self.switches = {"HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": int(angle != 0)}
 
     def bind(self, program) -> None:

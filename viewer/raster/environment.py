@@ -18,6 +18,7 @@ from ..gpu.float_texture import float_texture
 from ..gpu.fullscreen import fullscreen
 from ..gpu.mipmaps import mipmapped_texture
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
+from ..gpu.smooth_map import SmoothMap, can_be_smooth
 from ..plan.media import SKY_LIGHTS
 from ..plan.model import Plan
 from ..scene.environment import Environment
@@ -163,16 +164,13 @@ class EnvironmentLight:
                         uniforms: dict[str, object]) -> None:
         """Draw the environment behind everything, as `plan` has it; `uniforms` are those of media before it."""
         background = self._background_seen_at(frame.pixel_angle, plan.background_blur)
-        is_smooth = is_magnified(background.height, frame.pixel_angle)
         program = programs.get("display/fullscreen.vert", "raster/background.frag",
-                               {"HALF_TARGET": int(half_target), "SMOOTH": int(is_smooth),
+                               {"HALF_TARGET": int(half_target), "SMOOTH": int(background.is_smooth),
                                 "MEDIA": int(plan.media is not None)})
         for name, value in uniforms.items():
             set_uniform(program, name, value)
-        background.texture.use(UNIT_BACKGROUND)
-        set_uniform(program, "u_background", UNIT_BACKGROUND)
+        background.bind(program, frame.pixel_angle)
         set_uniform(program, "u_ray", matrix_uniform(rotation_about_y(self.environment.rotation) @ frame.ray))
-        set_uniform(program, "u_lod", background.lod(frame.pixel_angle))
         set_uniform(program, "u_environment_intensity", self.environment.intensity)
         self._gl.enable_only(moderngl.DEPTH_TEST)
         with depth.behind_surfaces():
@@ -181,10 +179,10 @@ class EnvironmentLight:
     def _background_seen_at(self, pixel_angle: float, blur: float) -> _Background:
         """The map itself, or blurred. It gets mip levels when it is first minified."""
         held = self._background
-        if held is not None and held.blur == blur and (held.has_levels or held.lod(pixel_angle) <= 0):
+        if held is not None and held.blur == blur and held.suits(pixel_angle):
             return held
         if held is not None:
-            held.texture.release()
+            held.release()
             self._background = None
         if blur > 0:
             pixels = background_map(blurred(self.environment.radiance, blur))
@@ -196,22 +194,50 @@ class EnvironmentLight:
         return self._background
 
     def release(self) -> None:
-        background = self._background.texture if self._background is not None else None
-        for texture in (self._prefiltered, self._irradiance, background, *self._scattered.values()):
-            if texture is not None:
-                texture.release()
+        for thing in (self._prefiltered, self._irradiance, self._background, *self._scattered.values()):
+            if thing is not None:
+                thing.release()
 
 
 class _Background:
-    def __init__(self, context: Context, pixels: np.ndarray, pixel_angle: float, blur: float) -> None:
-        self.height, self.blur = len(pixels), blur
-        self.has_levels = self.lod(pixel_angle) > 0
-        self.texture = mipmapped_texture(context, mip_levels(pixels) if self.has_levels else [pixels])
-        self.texture.repeat_y = False
+    """The map that is seen: by B-splines where it is magnified, else by trilinear lookups."""
 
-    def lod(self, pixel_angle: float) -> float:
-        """The level whose texels are as large as a pixel of `pixel_angle` radians."""
-        return math.log2(max(pixel_angle * self.height / math.pi, 1.0))
+    def __init__(self, context: Context, pixels: np.ndarray, pixel_angle: float, blur: float) -> None:
+        self.blur = blur
+        self._height, self._can_be_smooth = len(pixels), can_be_smooth(context, pixels)
+        self.is_smooth = self._is_smooth_at(pixel_angle)
+        self._has_levels = not self.is_smooth and self._lod(pixel_angle) > 0
+        self._map: SmoothMap | moderngl.Texture
+        if self.is_smooth:
+            self._map = SmoothMap(context, pixels)
+        else:
+            self._map = mipmapped_texture(context, mip_levels(pixels) if self._has_levels else [pixels])
+            self._map.repeat_y = False
+
+    def suits(self, pixel_angle: float) -> bool:
+        """Whether it is looked up in that way by pixels of that angle, in radians, and has the levels for it."""
+        if self._is_smooth_at(pixel_angle):
+            return self.is_smooth
+        return not self.is_smooth and (self._has_levels or self._lod(pixel_angle) <= 0)
+
+    def bind(self, program: moderngl.Program, pixel_angle: float) -> None:
+        """Let `program` look it up for pixels of that angle."""
+        if isinstance(self._map, SmoothMap):
+            self._map.bind(program, "u_background", UNIT_BACKGROUND)
+            return
+        self._map.use(UNIT_BACKGROUND)
+        set_uniform(program, "u_background", UNIT_BACKGROUND)
+        set_uniform(program, "u_lod", self._lod(pixel_angle))
+
+    def _is_smooth_at(self, pixel_angle: float) -> bool:
+        return self._can_be_smooth and is_magnified(self._height, pixel_angle)
+
+    def _lod(self, pixel_angle: float) -> float:
+        """The level whose texels are as large as a pixel."""
+        return math.log2(max(pixel_angle * self._height / math.pi, 1.0))
+
+    def release(self) -> None:
+        self._map.release()
 
 
 def rotation_about_y(angle: float) -> np.ndarray:

@@ -8,14 +8,17 @@ import moderngl
 import numpy as np
 
 from ...bake.background import blurred, is_magnified
+from ...gpu.context import Context
 from ...gpu.float_texture import float_texture
 from ...gpu.programs import set_uniform
+from ...gpu.smooth_map import SmoothMap, can_be_smooth
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.equirect import texel_solid_angles
 from .alias import alias_grid
 
-UNITS = {"u_environment": 11, "u_environment_table": 10, "u_background": 15}
+UNITS = {"u_environment": 11, "u_environment_table": 10}
+_UNIT_BACKGROUND = 15
 """Texture units, below and above those of viewer/trace/scene/scene_data.py."""
 MAX_CELLS = 2048, 1024
 """Most columns and rows of a table, 32 MiB. The cells of a larger map are blocks of its texels.
@@ -66,14 +69,19 @@ class EnvironmentTable:
     `environment` may be replaced by one that differs only in rotation and intensity.
     """
 
-    def __init__(self, gl: moderngl.Context, environment: Environment, radiance: np.ndarray) -> None:
-        self._gl, self.environment = gl, environment
+    def __init__(self, context: Context, environment: Environment, radiance: np.ndarray) -> None:
+        gl = context.gl
+        self._context, self.environment = context, environment
         height, width = radiance.shape[:2]
         side = cell_texels(height, width)
         self._cell = side / width, side / height
         self._map = float_texture(gl, np.ascontiguousarray(radiance, np.float32))
         self._map.repeat_x = True
-        self._blur, self._blurred = 0.0, self._map
+        self._can_be_smooth = can_be_smooth(context, radiance)
+        self._blur = 0.0
+        self._smooth: SmoothMap | None = None
+        self.background_rows: int = self._map.height
+        """Rows of the map that camera rays see."""
         densities, solid_angles = cell_densities(radiance)
         threshold, alias = alias_grid(densities * solid_angles)
         density = densities.ravel().astype(np.float32)
@@ -93,37 +101,42 @@ class EnvironmentTable:
         """Let camera rays see the map blurred so far; 0: as it is."""
         if degrees == self._blur:
             return
-        if self._blur:
-            self._blurred.release()
-        self._blur, self._blurred = degrees, self._map
+        self._forget_smooth()
+        self._blur, self.background_rows = degrees, self._map.height
         if degrees:
-            self._blurred = float_texture(self._gl, blurred(self.environment.radiance, degrees))
-            self._blurred.repeat_x = True
+            pixels = blurred(self.environment.radiance, degrees)
+            self._smooth, self.background_rows = SmoothMap(self._context, pixels), len(pixels)
 
     def is_background_smooth(self, pixel_angle: float) -> bool:
         """Whether camera rays see the background by B-splines, in a picture whose pixels have that angle."""
-        return self._blur > 0 or is_magnified(self._map.height, pixel_angle)
-
-    @property
-    def background_rows(self) -> int:
-        """Rows of the map that camera rays see."""
-        return self._blurred.height
+        return self._blur > 0 or (self._can_be_smooth and is_magnified(self._map.height, pixel_angle))
 
     def use_textures(self) -> None:
         """Bind the textures to their units."""
-        for unit, texture in zip(UNITS.values(), (self._map, self._table, self._blurred), strict=True):
+        for unit, texture in zip(UNITS.values(), (self._map, self._table), strict=True):
             texture.use(unit)
+        if self._smooth is not None:
+            self._smooth.use(_UNIT_BACKGROUND)
 
     def set_uniforms(self, program: moderngl.Program) -> None:
         """Set all uniforms except the share of light samples."""
         for name, unit in UNITS.items():
             set_uniform(program, name, unit)
+        if "u_background" in program:
+            if self._smooth is None:
+                self._smooth = SmoothMap(self._context, self.environment.radiance)
+            self._smooth.bind(program, "u_background", _UNIT_BACKGROUND)
         angle = self.environment.rotation
         set_uniform(program, "u_environment_cell", self._cell)
         set_uniform(program, "u_environment_intensity", self.environment.intensity)
         set_uniform(program, "u_environment_rotation", (math.cos(angle), math.sin(angle)))
 
     def release(self) -> None:
-        self.blur_background(0.0)
+        self._forget_smooth()
         self._map.release()
         self._table.release()
+
+    def _forget_smooth(self) -> None:
+        if self._smooth is not None:
+            self._smooth.release()
+            self._smooth = None

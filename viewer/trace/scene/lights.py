@@ -61,14 +61,14 @@ class SceneLights:
                 radiance = environment.radiance
                 self._unit_power = float(sphere_integral(radiance) @ LUMINANCE) / 4
                 if self._unit_power > 0 and context is not None:
-                    self._environment = EnvironmentTable(context.gl, environment, radiance)
+                    self._environment = EnvironmentTable(context, environment, radiance)
         if self._environment is not None:
             self._environment.blur_background(settings.background_blur)
         if previous is not None:
             previous.release()
         if self._environment is None and context is not None and settings.plan == "everything":
             grey = np.ones((2, 4, 3), np.float32)
-            self._environment = EnvironmentTable(context.gl, Environment("none", grey, intensity=0.0), grey)
+            self._environment = EnvironmentTable(context, Environment("none", grey, intensity=0.0), grey)
         environment_power = self._unit_power * environment.intensity if environment is not None else 0.0
         if environment is not None and not environment_power > 0:
             self.left_out.append("the environment: it is black")
