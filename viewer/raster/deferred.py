@@ -12,7 +12,7 @@ Burns and Hunt 2013, "The Visibility Buffer: A Cache-Friendly Approach to Deferr
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import moderngl
 
@@ -49,10 +49,11 @@ class DeferredSurfaces:
         self._layers: Reusable[Layers] = Reusable()
         self._triangles: Reusable[NumberedTriangles] = Reusable()
 
-    def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object]) -> Layers:
+    def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object],
+             draw_background: Callable[[], None]) -> Layers:
         """Draw them into the depth of `target`, within `Depth.test()`, and return their radiance in pixels. With
         `Plan.is_over_layers` the target is cleared here, where something is drawn, and the background belongs to the
-        layers."""
+        layers: `draw_background` draws it into the framebuffer in use."""
         draws = [draw for draw in plan.draws if draw.is_deferred]
         layers = self._layers.get(lambda held: held.fits(target, plan.is_over_layers),
                                   lambda: Layers(self._context, self._depth, target, plan.is_over_layers))
@@ -70,13 +71,14 @@ class DeferredSurfaces:
         self._choose(frame, layers, triangles)
         for number in range(2):
             self._shade(number, frame, plan, layers, triangles, boxes, uniforms)
-        layers.shaded[0].scissor, layers.shaded[1].scissor = target.part, layers.box
+            if layers.has_background:
+                layers.shaded[number].scissor = layers.box if number else target.part
+                draw_background()
         self._context.gl.clear_samplers()
         return layers
 
     def _draw_triangles(self, frame: Frame, plan: Plan, layers: Layers, triangles: NumberedTriangles,
                         uniforms: dict[str, object]) -> None:
-        layers.numbers.use()
         self._surfaces.draw_triangles(
             frame, plan, uniforms, lambda draw, mesh: {"u_first_triangle": triangles.first[draw.instance]})
 
@@ -93,12 +95,12 @@ class DeferredSurfaces:
         switches = {"TRIANGLE_BITS": TRIANGLE_BITS, "OBJECTS": float(_OBJECTS), "FAR": self._depth.far,
                     "SAMPLES": layers.samples}
         with self._depth.all():
-            for fragment, defines, framebuffer in (
+            for fragment, defines, framebuffer, nothing in (
                     ("raster/choose.frag", switches | {"BACKGROUND": int(layers.has_background)},
-                     layers.choosing),
-                    ("raster/choose_second.frag", switches | {"NOTHING": _NOTHING}, layers.second)):
+                     layers.choosing, self._depth.far),
+                    ("raster/choose_second.frag", switches | {"NOTHING": _NOTHING}, layers.second, _NOTHING)):
                 program = self._programs.get(FULLSCREEN, fragment, defines)
-                framebuffer.use()
+                layers.use_cleared(framebuffer, nothing)
                 for name, value in values.items():
                     set_uniform(program, name, value)
                 triangles.planes.bind(program, "u_planes", UNIT_GEOMETRY)
@@ -172,9 +174,10 @@ class Layers:
         return self._target is target and self._in_place == in_place
 
     def clear(self, programs: Programs, box: Box, rows: list[Box], over: Box) -> None:
-        """Clear what the frame reads, with `in_place` also the target, for a frame of this `box`, `rows` and `over`."""
+        """Clear the samples, with `in_place` also the target, for a frame of this `box`, `rows` and `over`, and leave
+        `numbers` in use. Mesa's software rasteriser fills a tile of pixels with all that is drawn into a framebuffer
+        while it is in use."""
         self.box, self.rows, self.over, in_place = box, rows, over, self._in_place
-        self.choosing.scissor = self.second.scissor = self._target.part
         if in_place and not self.has_background:
             self._target.resolved.use()
             self._target.resolved.clear()
@@ -182,12 +185,6 @@ class Layers:
             self._target.framebuffer.scissor = over
             self._target.framebuffer.use()
             self._clear_floats(_COLOR, 0, (ctypes.c_float * 4)())
-        self.choosing.use()
-        if not in_place:
-            self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)())
-        self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(self._depth.far))
-        self.second.use()
-        self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(_NOTHING))
         # With a scissor, OpenGL in software draws a rectangle for each buffer; here one triangle, 0, clears both.
         program = programs.get(FULLSCREEN, TRIANGLES.fragment, {})
         set_uniform(program, "u_first_triangle", 0)
@@ -196,6 +193,14 @@ class Layers:
         with self._depth.as_far():
             self.draw_rows(self.numbers, program)
         self.numbers.scissor = box
+
+    def use_cleared(self, framebuffer: moderngl.Framebuffer, depth: float) -> None:
+        """Use `choosing` or `second`, cleared to this depth."""
+        framebuffer.scissor = self._target.part
+        framebuffer.use()
+        if framebuffer is self.choosing and not self._in_place:
+            self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)())
+        self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(depth))
 
     def draw_rows(self, framebuffer: moderngl.Framebuffer, program: moderngl.Program) -> None:
         """Draw full-screen triangles in the rows of `framebuffer`, which is in use."""

@@ -31,7 +31,7 @@ from .target import Target
 from .traced.reflections import TracedReflections
 from .traced.refraction import TracedRefraction
 from .transmission import Backdrop
-from .units import UNIT_BACKGROUND, UNIT_RADIANCE
+from .units import UNIT_RADIANCE, UNIT_SEEN_POSITIONS
 from .visibility import MOST_POINTS, VisibilityPass
 from .walls import Wall, layers_of
 from .wireframe import Wireframe
@@ -150,12 +150,8 @@ class Passes:
         surfaces, drawing = self._prepared.surfaces, self._watch.drawing
         if plan.has_deferred:
             with drawing("deferred surfaces"):
-                target.behind = layers = self._deferred.draw(frame, plan, target, uniforms)
-            if layers.has_background:
-                with drawing("background"):
-                    for framebuffer in layers.shaded:
-                        framebuffer.use()
-                        self._draw_background(frame, target, plan, media)
+                target.behind = self._deferred.draw(frame, plan, target, uniforms, lambda: self._draw_background(
+                    frame, target, plan, media))
             target.framebuffer.use()
         if plan.has_surfaces:
             with drawing("surfaces"):
@@ -243,8 +239,8 @@ class Passes:
             with self._watch.drawing("visibility"):
                 found = self._visibility.find(seen, plan, gbuffer)
         else:
-            gbuffer.positions.use(UNIT_BACKGROUND)
-            found = {"u_positions": UNIT_BACKGROUND}
+            gbuffer.positions.use(UNIT_SEEN_POSITIONS)
+            found = {"u_positions": UNIT_SEEN_POSITIONS}
         target.framebuffer.use()
         return found
 

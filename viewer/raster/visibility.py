@@ -20,7 +20,7 @@ from .environment_shadows import SMALL, EnvironmentShadows
 from .gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from .media_light import MediaLight
 from .shadows import Casters
-from .units import UNIT_BACKGROUND, UNIT_VISIBILITY
+from .units import UNIT_SEEN_POSITIONS, UNIT_VISIBILITY
 
 MOST_POINTS = 1 << 17
 """Shadows of the environment are found at so many points of a picture, each of which takes as many lookups as there are
@@ -122,8 +122,8 @@ class _Targets:
 
     def _uniforms(self, places: moderngl.Texture) -> dict[str, object]:
         self._visibility.use(UNIT_VISIBILITY)
-        places.use(UNIT_BACKGROUND)
-        return {"u_visibility": UNIT_VISIBILITY, "u_positions": UNIT_BACKGROUND}
+        places.use(UNIT_SEEN_POSITIONS)
+        return {"u_visibility": UNIT_VISIBILITY, "u_positions": UNIT_SEEN_POSITIONS}
 
     def release(self) -> None:
         for thing in (self._summing, self._result, self._result_and_places, *self._sums, self._visibility,
