@@ -73,6 +73,11 @@ def scene_numbers(values: Any, name: str, count: int) -> tuple[float, ...]:
     return tuple(scene_array(values, name, np.float64, count).tolist())
 
 
+def rows_of(array: np.ndarray | None, source: np.ndarray) -> np.ndarray | None:
+    """Row source[k] of the array as row k; None of None."""
+    return None if array is None else array[source]
+
+
 def _words(shape: tuple[int | None, ...], dtype: type) -> str:
     return f"({', '.join('N' if n is None else str(n) for n in shape)}{',' * (len(shape) == 1)}) {np.dtype(dtype)}"
 

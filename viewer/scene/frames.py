@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .arrays import rows_of
 from .material import Texture
 from .mesh import Mesh
 from .normals import creased_normals, flat_normals, grouped_normals, smooth_normals
@@ -16,10 +17,9 @@ from .weld import weld
 
 def picked(mesh: Mesh, source: np.ndarray) -> Mesh:
     """The mesh with each vertex k replaced by a copy of vertex source[k]. The indices are not changed."""
-    def pick(array: np.ndarray | None) -> np.ndarray | None:
-        return None if array is None else array[source]
-    return replace(mesh, positions=mesh.positions[source], normals=pick(mesh.normals), tangents=pick(mesh.tangents),
-                   uvs=tuple(uv[source] for uv in mesh.uvs), colors=pick(mesh.colors))
+    return replace(mesh, positions=mesh.positions[source], normals=rows_of(mesh.normals, source),
+                   tangents=rows_of(mesh.tangents, source), uvs=tuple(uv[source] for uv in mesh.uvs),
+                   colors=rows_of(mesh.colors, source))
 
 
 def with_flat_normals(mesh: Mesh) -> Mesh:

@@ -71,11 +71,7 @@ class Mesh(HoldsArrays):
     @cached_property
     def drawn(self) -> np.ndarray:
         """The positions that are drawn, each once, (K, 3) float32."""
-        if self.indices is None:
-            return self.positions
-        is_drawn = np.zeros(len(self.positions), bool)
-        is_drawn[self.indices] = True
-        return self.positions if is_drawn.all() else self.positions[is_drawn]
+        return drawn_positions(self.positions, self.indices)
 
     def drawn_chunks(self) -> Iterator[np.ndarray]:
         """`drawn` in (n, 3) float64, a piece at a time, so that what is computed of a piece stays in the cache."""
@@ -126,3 +122,12 @@ def _as_rgba(colors: np.ndarray) -> np.ndarray:
     if colors.ndim == 2 and colors.shape[1] == 3:
         colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)
     return colors
+
+
+def drawn_positions(positions: np.ndarray, indices: np.ndarray | None) -> np.ndarray:
+    """The positions (N, 3) that the indices name, each once; all of them without indices."""
+    if indices is None:
+        return positions
+    is_drawn = np.zeros(len(positions), bool)
+    is_drawn[indices] = True
+    return positions if is_drawn.all() else positions[is_drawn]

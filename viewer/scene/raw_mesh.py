@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .arrays import rows_of
 from .color import srgb_to_linear
 from .frames import with_creased_normals, with_flat_normals, with_grouped_normals, with_tangents
 from .material import AlphaMode, Material, Texture
-from .mesh import Mesh, Topology
+from .mesh import Mesh, Topology, drawn_positions
 from .mtl import PLAIN
 from .polygons import triangulate
 from .schema import needs_tangents, tangent_texture
@@ -44,10 +45,8 @@ class RawMesh:
 
     def picked(self, source: np.ndarray) -> RawMesh:
         """With vertex k a copy of vertex source[k]; the indices are left as they are."""
-        def pick(array: np.ndarray | None) -> np.ndarray | None:
-            return None if array is None else array[source]
-        return replace(self, positions=self.positions[source], normals=pick(self.normals), uvs=pick(self.uvs),
-                       colors=pick(self.colors))
+        return replace(self, positions=self.positions[source], normals=rows_of(self.normals, source),
+                       uvs=rows_of(self.uvs, source), colors=rows_of(self.colors, source))
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,19 +94,11 @@ def finite_part(mesh: RawMesh, warnings: list[str]) -> RawMesh | None:
 
 def shared_center(meshes: Sequence[RawMesh]) -> np.ndarray:
     """What is taken off all positions, (3,) float64: the middle of a model far from the origin, 0 for others."""
-    drawn = [_drawn(mesh) for mesh in meshes]
+    drawn = [drawn_positions(mesh.positions, mesh.indices) for mesh in meshes]
     low = np.min([positions.min(axis=0) for positions in drawn], axis=0)
     high = np.max([positions.max(axis=0) for positions in drawn], axis=0)
     center = low / 2 + high / 2
     return center if np.abs(center).max() > FAR * (high - low).max() / 2 else np.zeros(3)
-
-
-def _drawn(mesh: RawMesh) -> np.ndarray:
-    if mesh.indices is None:
-        return mesh.positions
-    is_drawn = np.zeros(len(mesh.positions), bool)
-    is_drawn[mesh.indices] = True
-    return mesh.positions if is_drawn.all() else mesh.positions[is_drawn]
 
 
 def finished(mesh: RawMesh, center: np.ndarray, material: int) -> Mesh:
