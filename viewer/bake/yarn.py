@@ -1,5 +1,7 @@
-"""What leaves a yarn's layer of fibres after it met one of them, as a table: so the rest, which is diffuse, is known
-exactly, and by the same numbers for the direction to the viewer and to the light.
+"""A table of the light that leaves a yarn's layer of fibres after it met one of them.
+
+The rest of the light is diffuse. Since the share in the table is known exactly, so is the rest, and the same numbers
+hold for the direction to the viewer and to the light.
 
 The layer is that of shaders/bsdf/weave/woven.glsl. For fibres that mirror all light, the share of the light from w that
 leaves after it is mirrored once is

@@ -1,4 +1,4 @@
-"""How a picture came about, and how that is told."""
+"""How a picture in a time budget was made, in words and as JSON."""
 
 from __future__ import annotations
 

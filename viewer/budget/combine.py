@@ -1,4 +1,4 @@
-"""The best picture of the raster's and the paths' samples together, and its error, told by the same samples.
+"""The best combination of a raster picture and path-traced samples, and its error, estimated from these samples.
 
 Let P_g be independent path-traced pictures, whose expectation is the right picture T, and M_g a picture that was made
 without P_g. Of M, the mean of the M_g, the squared error is M^2 - 2 M T + T^2. Its estimate in each pixel,

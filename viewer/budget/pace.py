@@ -1,4 +1,4 @@
-"""How long the next thing will take on this scene, foreseen from what has been measured on it."""
+"""Predicts how long the next frame, or the next samples, of a scene take, from what was measured on it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What both renderers say together: how wrong a picture of the raster is, and the best mixture of both."""
+"""What both renderers give together: the error of a raster picture, and the best mixture of raster and paths."""

@@ -1,4 +1,4 @@
-"""What there is to tell of a model, in words and numbers."""
+"""Facts about a model, in words and numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The quality that a picture takes where none is named: by a rule, and never by the clock, so that pictures repeat.
+"""Chooses the quality of a picture where none is named, by a rule and not by the clock, so that pictures repeat.
 
 The rule foresees the processor time of `pbr-viewer render` with Mesa's llvmpipe, from its start to its picture, as a
 sum over what has to be loaded, prepared and drawn. `python -m benchmarks.quality` measures such times beside it.

@@ -1,4 +1,4 @@
-"""What stands before the environment, for the light in media: a shadow map in each of the directions of its light."""
+"""Shadow maps of the environment for light in media, one in each of the directions that stand for its light."""
 
 from __future__ import annotations
 

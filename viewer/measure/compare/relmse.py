@@ -1,4 +1,4 @@
-"""How far a noisy picture is from another that has noise of its own, and how far it had to be.
+"""The difference between two noisy pictures, and how much of it their noise alone would make.
 
 relMSE is the mean over pixels and channels of (picture - reference)^2 / (reference^2 + 0.01) (Rousselle et al. 2011).
 Two unbiased pictures of one scene are apart by the sum of their variances alone, so that a relMSE over that sum is a

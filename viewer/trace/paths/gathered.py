@@ -1,4 +1,4 @@
-"""What the paths of a sorted wavefront have brought to their homes since their blocks began."""
+"""Sums of the light of the ended paths of a sorted wavefront, by the homes of the paths."""
 
 from __future__ import annotations
 
