@@ -141,18 +141,23 @@ vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg)
     return f;
 }
 
-BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
-    BsdfSample b;
+// As surface_sample, but of a direction that is no mirror's weight and pdf are still those of nothing.
+BsdfSample surface_direction(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
 #if CLEARCOAT
+    BsdfSample b;
     bool is_coat = coat_is_chosen(v.coat, u);
     if (is_coat) b = coat_sample(v.coat, wo, u.xy);
     else b = base_sample(s, v, wo, u, dfg);
     if ((b.flags & DELTA) != 0u) return coat_delta(v.coat, is_coat, b);
+    return b;
 #else
-    b = base_sample(s, v, wo, u, dfg);
-    if ((b.flags & DELTA) != 0u) return b;
+    return base_sample(s, v, wo, u, dfg);
 #endif
-    if (b.flags == 0u) return b;
+}
+
+BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
+    BsdfSample b = surface_direction(s, v, wo, u, dfg);
+    if (b.flags == 0u || (b.flags & DELTA) != 0u) return b;
     vec4 f = surface_eval_pdf(s, v, wo, b.wi, dfg);
     return BsdfSample(b.wi, f.rgb / max(f.w, 1e-30), f.w, b.flags, 1.0);
 }

@@ -1,13 +1,14 @@
 // Directions from rough surfaces to what smooth bodies, the casters, show them of lamps, by the tables of
 // viewer/trace/scene/caustic_guide.py. From where a surface is, a caster fills at most a cone about the direction to
-// its middle. A square of GUIDE_CELLS x GUIDE_CELLS cells is mapped to the directions of that cone, uniformly.
-#include "sample/hemisphere.glsl"
+// its middle. An equal-area map (Lambert's azimuthal one) makes it the unit disk, in a square of GUIDE_CELLS x
+// GUIDE_CELLS cells.
 #include "sample/octahedron.glsl"
 #include "sample/orthonormal_basis.glsl"
 
 uniform int u_guide_casters; // for each caster: middle, radius
 uniform int u_guide_places;  // for each place around it: first of its cells, share of the samples (float bits)
-uniform int u_guide_cells;   // for each cell: threshold, alias, density in the square
+uniform int u_guide_cells;   // four cells in a texel, each of 32 bits: share of the samples in 1 / GUIDE_STEPS (16
+                             // bits), threshold in GUIDE_CELLS^2 / GUIDE_STEPS (8 bits), alias (8 bits)
 uniform int u_guide_count;
 
 struct Guide {
@@ -47,32 +48,29 @@ Guide guide_at(vec3 p, mat3 frame, float share) {
     return g;
 }
 
-// The inverse of sample_disk
-vec2 square_of_disk(vec2 p) {
-    bool x_dominates = abs(p.x) > abs(p.y);
-    float major = x_dominates ? p.x : p.y, minor = x_dominates ? p.y : p.x;
-    if (major == 0.0) return vec2(0.5);
-    float r = sign(major) * length(p), along = r * (4.0 / PI) * atan(minor / major);
-    return (x_dominates ? vec2(r, along) : vec2(along, r)) * 0.5 + 0.5;
+uint guide_cell(Guide g, int cell) {
+    return scene_uint4(g.cells + (cell >> 2))[cell & 3];
 }
 
 // The density of guide_direction by solid angle
 float guide_pdf(Guide g, vec3 d) {
     vec3 local = d * g.to_local;
-    float rise = dot(local.xy, local.xy) / max(1.0 + local.z, 1e-30); // 1 - z without its loss of digits
-    if (local.z <= 0.0 || rise > g.spread) return 0.0;
-    vec2 disk = local.xy * inversesqrt(max(g.spread * (2.0 - rise), 1e-30));
-    ivec2 cell = clamp(ivec2(square_of_disk(disk) * float(GUIDE_CELLS)), 0, GUIDE_CELLS - 1);
-    return uintBitsToFloat(scene_uint4(g.cells + cell.y * GUIDE_CELLS + cell.x).z) / (2.0 * PI * g.spread);
+    vec2 square = local.xy * (0.5 * inversesqrt(g.spread * max(1.0 + local.z, 1e-7))) + 0.5;
+    if (square != clamp(square, 0.0, 1.0)) return 0.0;
+    ivec2 cell = min(ivec2(square * float(GUIDE_CELLS)), GUIDE_CELLS - 1);
+    const float density = float(GUIDE_CELLS * GUIDE_CELLS) / float(8 * GUIDE_STEPS);
+    return float(guide_cell(g, cell.y * GUIDE_CELLS + cell.x) >> 16u) * density / g.spread;
 }
 
 vec3 guide_direction(Guide g, vec3 u) {
     vec2 place = u.xy * float(GUIDE_CELLS); // as in sample_environment
     ivec2 cell = min(ivec2(place), GUIDE_CELLS - 1);
     place -= vec2(cell);
-    uvec4 entry = scene_uint4(g.cells + cell.y * GUIDE_CELLS + cell.x);
-    if (u.z >= uintBitsToFloat(entry.x)) cell = ivec2(int(entry.y) % GUIDE_CELLS, int(entry.y) / GUIDE_CELLS);
-    vec2 disk = sample_disk((vec2(cell) + place) / float(GUIDE_CELLS));
-    float rise = dot(disk, disk) * g.spread;
+    uint entry = guide_cell(g, cell.y * GUIDE_CELLS + cell.x);
+    int other = int(entry & 255u), threshold = int(entry >> 8u & 255u);
+    if (u.z * float(GUIDE_STEPS / (GUIDE_CELLS * GUIDE_CELLS)) >= float(threshold))
+        cell = ivec2(other % GUIDE_CELLS, other / GUIDE_CELLS);
+    vec2 disk = (vec2(cell) + place) * (2.0 / float(GUIDE_CELLS)) - 1.0;
+    float rise = dot(disk, disk) * g.spread; // 1 - z
     return normalize(g.to_local * vec3(disk * sqrt(g.spread * (2.0 - rise)), 1.0 - rise));
 }

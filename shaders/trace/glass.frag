@@ -121,7 +121,8 @@ BsdfSample sample_glass(Bsdf b, vec3 wo, vec3 u) {
 #endif
 }
 
-BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u, out float worth) {
+    worth = HAS_CAUSTIC_GUIDE == 1 ? 1e3 : 1.0; // no path ends by what it carries where a guide may have sent it
 #if HAS_PARTLY_GLASS
     bool is_glass = u.z < b.share;
     u.z = is_glass ? u.z / b.share : (u.z - b.share) / (1.0 - b.share);
@@ -141,11 +142,6 @@ BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
 #else
     return sample_glass(b, wo, u);
 #endif
-}
-
-// Paths do not end in glass by what they carry where a guide may have sent them there.
-float worth_of(Bsdf b, BsdfSample s) {
-    return HAS_CAUSTIC_GUIDE == 1 ? 1e3 : 1.0;
 }
 
 #include "trace/shade.glsl"

@@ -43,42 +43,36 @@ vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
     return f;
 }
 
-BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
+// A guided sample carries little, but so much more often meets a lamp; and what smooth bodies reflect may come from it.
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u, out float worth) {
+    bool is_rough = roughly_reflected(b) >= 0.5;
+    worth = is_rough ? 1.0 : ALWAYS_WORTH;
     float share = b.guide.share;
     bool is_guided = u.z < share;
     u.z = min(is_guided ? u.z / share : (u.z - share) / (1.0 - share), 1.0 - 1.0 / 16777216.0);
     BsdfSample s;
     if (is_guided) s = BsdfSample(guide_direction(b.guide, u), vec3(0.0), 0.0, REFLECTION, 1.0);
-    else s = surface_sample(b.surface, b.view, wo, u, u_dfg);
-    if (share == 0.0 || s.flags == 0u) return s;
+    else s = surface_direction(b.surface, b.view, wo, u, u_dfg);
+    if (s.flags == 0u) return s;
     if ((s.flags & DELTA) != 0u) {
         s.weight /= 1.0 - share;
         s.pdf *= 1.0 - share;
         return s;
     }
-    vec4 f = bsdf_eval_pdf(b, wo, s.wi);
-    s.weight = f.rgb / max(f.w, 1e-30);
-    s.pdf = f.w;
+    vec4 f = surface_eval_pdf(b.surface, b.view, wo, s.wi, u_dfg);
+    s.pdf = mix(f.w, guide_pdf(b.guide, s.wi), share);
+    s.weight = f.rgb / max(s.pdf, 1e-30);
+    if (is_rough) worth = s.pdf / max(f.w, 1e-30); // what it would carry without the guide, over what it carries
     return s;
-}
-
-// A guided sample carries little, but so much more often meets a lamp; and what smooth bodies reflect may come from it.
-float worth_of(Bsdf b, BsdfSample s) {
-    if (roughly_reflected(b) < 0.5) return ALWAYS_WORTH;
-    float share = b.guide.share;
-    return s.pdf * (1.0 - share) / max(s.pdf - share * guide_pdf(b.guide, s.wi), 1e-30);
 }
 #else
 vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
     return surface_eval_pdf(b.surface, b.view, wo, wi, u_dfg);
 }
 
-BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u, out float worth) {
+    worth = 1.0;
     return surface_sample(b.surface, b.view, wo, u, u_dfg);
-}
-
-float worth_of(Bsdf b, BsdfSample s) {
-    return 1.0;
 }
 #endif
 

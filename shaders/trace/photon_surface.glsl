@@ -77,7 +77,8 @@ void main() {
     mat3 frame;
     vec3 local_wi;
     Bsdf bsdf = bsdf_towards(i, m, wi, frame, local_wi);
-    BsdfSample b = bsdf_sample(bsdf, local_wi, u_bsdf.xyz);
+    float worth; // what a guide says, which photons have none of
+    BsdfSample b = bsdf_sample(bsdf, local_wi, u_bsdf.xyz, worth);
     vec3 next = normalize(frame * b.wi);
     float side = side_of(i, next, b.wi.z);
 #if HAS_PANES && REFRACTS

@@ -5,8 +5,7 @@
 //   struct Bsdf                                 the BSDF for one wo
 //   Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat)
 //   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     rgb: f |cos|, w: the pdf of bsdf_sample; 0 for delta lobes
-//   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u)
-//   float worth_of(Bsdf b, BsdfSample s)        see scatter of trace/bounce.glsl
+//   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u, out float worth)   for `worth` see scatter of trace/bounce.glsl
 // with wo, wi and the normal n_coat of the clear coat in the frame of the shading normal (bsdf/bsdf.glsl).
 // PHOTONS: paths come from lights, and trace/photon_surface.glsl shades them.
 #include "trace/bounce.glsl"
@@ -139,13 +138,14 @@ void main() {
     u_light.w = p.kept;
     p.kept = 0.0;
 #endif
-    int candidates = p.depth == 0 ? FIRST_CANDIDATES : 1; // later there is less to gain
+    int candidates = p.depth == 0 ? FIRST_CANDIDATES : LATER_CANDIDATES;
     SurfaceLight lit = sample_light_at(i, bsdf, frame, local_wo, n_light, u_light, candidates);
     if (lit.side != 0.0 && !(may_pass && is_last))
         send_shadow_ray(p, i.position, lit.side * i.n_geometric, medium_at(p, i, m, lit.side), lit.light, lit.f_cos,
                         lit.pdf);
 #endif
-    BsdfSample b = bsdf_sample(bsdf, local_wo, u_bsdf.xyz);
+    float worth;
+    BsdfSample b = bsdf_sample(bsdf, local_wo, u_bsdf.xyz, worth);
     vec3 wi = normalize(frame * b.wi);
     float side = side_of(i, wi, b.wi.z);
 #if HAS_PANES && REFRACTS
@@ -171,8 +171,7 @@ void main() {
 #endif
     // The throughput of long paths must not grow: those in media and between faces of white glass are long.
     float most = HAS_SCATTERING == 1 || HAS_NESTED == 1 ? 1.0 : 0.95;
-    continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w, most,
-                                     worth_of(bsdf, b));
+    continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w, most, worth);
 #if HAS_SCATTERING
     if (is_within && p.depth > 2) { // what a scattering medium keeps in is no reflection that `bounces` counts
         --p.depth;

@@ -47,12 +47,9 @@ vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
     return woven_eval_pdf(b.woven, b.view, wo, wi, u_weave_table);
 }
 
-BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u, out float worth) {
+    worth = 1.0;
     return woven_sample(b.woven, b.view, wo, u, u_weave_table);
-}
-
-float worth_of(Bsdf b, BsdfSample s) {
-    return 1.0;
 }
 
 #include "trace/shade.glsl"

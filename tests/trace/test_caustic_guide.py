@@ -19,7 +19,7 @@ from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 from viewer.settings import Settings
-from viewer.trace.layout import GUIDE_CELLS
+from viewer.trace.layout import GUIDE_CELLS, GUIDE_STEPS
 from viewer.trace.scene import caustic_guide
 from viewer.trace.scene.caustic_guide import CausticGuide, caster_table, place_of, square_of
 from viewer.trace.scene.caustic_rays import casters_of, caustic_rays
@@ -89,13 +89,25 @@ class Guided:
         distance = np.linalg.norm(away[0])
         away /= distance
         ratio = caster.radius / distance
-        column, row = np.minimum(square_of(np.full(len(away), ratio), away, direction) * GUIDE_CELLS,
-                                 GUIDE_CELLS - 1).astype(int).T
+        square = square_of(np.full(len(away), ratio), away, direction)
+        column, row = np.minimum(square * GUIDE_CELLS, GUIDE_CELLS - 1).astype(int).T
+        inside = ((square > 0) & (square < 1)).all(axis=1)
         weights = self.table.weights[place_of(away)[0]]
-        cells = (1 - caustic_guide.FLOOR) * weights / weights.sum() + caustic_guide.FLOOR / len(weights)
         spread = 1 - np.sqrt(1 - ratio**2)
-        inside = -(direction * away).sum(axis=1) > 1 - spread
-        return inside * cells[row * GUIDE_CELLS + column] * GUIDE_CELLS**2 / (2 * np.pi * spread)
+        # Lambert's azimuthal map has the area of the directions, times a factor; the square's edges are 2 * spread away
+        return inside * cells_of(weights)[row * GUIDE_CELLS + column] * GUIDE_CELLS**2 / (8 * spread)
+
+
+def cells_of(weights: np.ndarray) -> np.ndarray:
+    """The probabilities of cells with these weights; those that the disk does not touch have none."""
+    edges = np.linspace(-1, 1, GUIDE_CELLS + 1)
+    nearest = np.where(edges[:-1] >= 0, edges[:-1], -edges[1:]).clip(0)
+    on_disk = (nearest[:, None] ** 2 + nearest**2 < 1).ravel()
+    weights = weights * on_disk
+    exact = (1 - caustic_guide.FLOOR) * weights / weights.sum() + caustic_guide.FLOOR * on_disk / on_disk.sum()
+    rounded = caustic_guide.cell_steps(weights[None])[0] / GUIDE_STEPS
+    assert rounded.sum() == 1 and not rounded[~on_disk].any() and np.abs(rounded - exact).max() < 1.01 / GUIDE_STEPS
+    return rounded
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +143,7 @@ def test_directions_have_their_density(guided, lit_point) -> None:
     column, row = np.minimum(square * GUIDE_CELLS, GUIDE_CELLS - 1).astype(int).T
     counts = np.bincount(row * GUIDE_CELLS + column, minlength=GUIDE_CELLS**2)
     weights = guided.table.weights[place_of(-away[None] / distance)[0]]
-    cells = (1 - caustic_guide.FLOOR) * weights / weights.sum() + caustic_guide.FLOOR / len(weights)
+    cells = cells_of(weights)
     chi2, freedom = statistic(counts.astype(float), cells * count)
     assert chi2 < critical_value(freedom, 1)
 

@@ -1,5 +1,6 @@
-"""The light sample of a first hit, one of two candidates: the light of a plate below an uneven sky is the same as by
-BSDF samples alone and by quadrature, and less noisy than with one candidate."""
+"""The light sample of a hit, one of two candidates: the light of a plate below an uneven sky is the same as by BSDF
+samples alone and by quadrature, that of a room with a lamp is the same as by BSDF samples alone, and both are less
+noisy than with one candidate."""
 
 from __future__ import annotations
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from mutations import Mutation, planted
 from pictures import picture
-from shapes import WHITE, orthographic, plate, scene
+from shapes import WHITE, moved, orthographic, plate, scene
 
 from viewer.gpu.context import Context
 from viewer.scene.environment import Environment
@@ -75,8 +76,9 @@ def test_it_is_the_light_of_quadrature(tracer):
     assert (np.abs(mean - (radiance * weight[..., None]).sum(axis=(0, 1))) < 4 * error + 5e-4 * mean).all()
 
 
-ONE = Mutation("one candidate", "trace/shade.glsl", "p.depth == 0 ? FIRST_CANDIDATES : 1",
-               "p.depth == 0 ? 1 : 1")
+ONE = Mutation("one candidate", "trace/shade.glsl", "p.depth == 0 ? FIRST_CANDIDATES : LATER_CANDIDATES", "1")
+ONE_LATER = Mutation("one candidate later", "trace/shade.glsl", "p.depth == 0 ? FIRST_CANDIDATES : LATER_CANDIDATES",
+                     "p.depth == 0 ? 2 : 1")
 
 
 def test_two_are_less_noisy_than_one(tracer, context: Context):
@@ -86,3 +88,30 @@ def test_two_are_less_noisy_than_one(tracer, context: Context):
         single.release()
     two = light(tracer, MATERIALS["plastic"], spp=16)[1][1]
     assert two < 0.95 * one  # of green, which is most of what they are chosen by
+
+
+def room():
+    """A floor that the camera looks at, which a wall lights alone: its lamp stands close to the wall, and faces it."""
+    to_wall, from_wall = moved((0, -0.7, 1.2)), moved((0, -1, 2))
+    to_wall[:3, :3] = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    from_wall[:3, :3] = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+    lamp = Material("lamp", emissive=(20.0, 20.0, 20.0), base_color=(0, 0, 0, 1))
+    return scene(plate(0, 4.0), (plate(0, 2.0), from_wall), (plate(1, 0.5), to_wall), materials=[WHITE, lamp])
+
+
+def test_two_serve_at_later_hits_of_a_room(tracer, context: Context):
+    """The mean is that of surface samples alone, and the noise, between two pictures, less than with one."""
+    def pictures(by: Tracer, **settings: object) -> np.ndarray:
+        return np.array([picture(by, room(), VIEW, SIZE, seed=seed, bounces=2, **settings)[..., 0] for seed in (0, 1)])
+
+    def noise(both: np.ndarray) -> float:
+        return float(np.sqrt(np.mean((both[1] - both[0]) ** 2) / 2))
+
+    two, alone = pictures(tracer, spp=64), pictures(tracer, spp=1024, sampling="bsdf")
+    error = np.hypot(noise(two), noise(alone)) / np.sqrt(two.size)
+    assert error < 0.01 * alone.mean() and abs(two.mean() - alone.mean()) < 4 * error
+    with planted(ONE_LATER):
+        single = Tracer(context, use_cache=False)
+        one = pictures(single, spp=64)
+        single.release()
+    assert noise(two) < 0.95 * noise(one)

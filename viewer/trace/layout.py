@@ -86,9 +86,9 @@ LIGHT_LAMP, LIGHT_TWO_SIDED, LIGHT_NARROW = 1, 2, 4
 LIGHT_REACH_STEPS, LIGHT_REACH_LOW = 1024, 32
 """A reach is 2^(k / LIGHT_REACH_STEPS - LIGHT_REACH_LOW), with k of 16 bits, rounded up; the last is infinite."""
 
-GUIDE_PLACES, GUIDE_CELLS = 32, 16
-"""Places around a caster along each side of their square, and cells of the disk that it shows
-(viewer/trace/scene/caustic_guide.py)."""
+GUIDE_PLACES, GUIDE_CELLS, GUIDE_STEPS = 32, 16, 1 << 16
+"""Places around a caster along each side of their square, cells along each side of the square about the disk that it
+shows, and steps of their shares (viewer/trace/scene/caustic_guide.py)."""
 
 SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN, PANE = 1, 2, 4, 8, 16, 32
 """Bits of an instance's flags."""

@@ -16,7 +16,12 @@ def alias_table(weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     weights = np.asarray(weights, np.float64)
     scaled = weights / weights.max()  # the sum of huge weights must not overflow
-    scaled *= len(scaled) / scaled.sum()
+    return alias_table_of_mean_one(scaled * (len(scaled) / scaled.sum()))
+
+
+def alias_table_of_mean_one(scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As `alias_table` for weights that have the mean 1. There is no rounding if they are multiples of a power of two:
+    then runs of entries that have the mean 1, too, have aliases among themselves wherever a threshold is below 1."""
     is_heavy = scaled > 1
     light, heavy = np.flatnonzero(~is_heavy), np.flatnonzero(is_heavy)
     threshold, alias = np.ones(len(scaled)), np.arange(len(scaled), dtype=np.uint32)

@@ -21,9 +21,9 @@ from ...scene.environment import Environment
 from ...scene.scene import Scene
 from ...scene.unit_vectors import unit_vectors
 from ...settings import Settings
-from ..layout import GUIDE_CELLS, GUIDE_PLACES
+from ..layout import GUIDE_CELLS, GUIDE_PLACES, GUIDE_STEPS
 from ..rays.intersect import Intersector
-from .alias import alias_table, morton_order
+from .alias import alias_table_of_mean_one, morton_order
 from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, receives
 from .geometry import TraceGeometry
 from .lights import SceneLights
@@ -73,7 +73,7 @@ class CausticGuide:
         cells, first = [], 0
         for k, table in enumerate(tables):
             lit = np.flatnonzero(table.shares)
-            places[k, lit, 0] = first + GUIDE_CELLS**2 * np.arange(len(lit))
+            places[k, lit, 0] = first + GUIDE_CELLS**2 // 4 * np.arange(len(lit))
             places[k, lit, 1] = table.shares[lit].astype(np.float32).view(np.uint32)
             cells.append(_cells(table.weights[lit]))
             first += len(cells[-1])
@@ -171,29 +171,40 @@ def square_of(ratio: NDArray, away: NDArray, direction: NDArray) -> NDArray[np.f
     spread = ratio**2 / (1 + np.sqrt(1 - ratio**2))
     x, y = basis(-away)
     across = np.stack([(direction * x).sum(axis=1), (direction * y).sum(axis=1)], axis=1)
-    rise = np.minimum((across**2).sum(axis=1) / np.maximum(1 - (direction * away).sum(axis=1), 1e-30), spread)
-    p = across / np.sqrt(spread * (2 - rise))[:, None]
-    # The inverse of Shirley & Chiu 1997, as in the shader
-    x_dominates = np.abs(p[:, 0]) > np.abs(p[:, 1])
-    major, minor = np.where(x_dominates, p.T, p.T[::-1])
-    r = np.sign(major) * np.linalg.norm(p, axis=1)
-    along = r * (4 / np.pi) * np.arctan(minor / np.where(major == 0, 1.0, major))
-    return np.clip(np.where(x_dominates, (r, along), (along, r)).T * 0.5 + 0.5, 0, 1)
+    disk = across / np.sqrt(spread * np.maximum(1 - (direction * away).sum(axis=1), 1e-7))[:, None]
+    return np.clip(disk * 0.5 + 0.5, 0, 1)
+
+
+def cells_on_disk() -> NDArray[np.bool_]:
+    """Whether the disk touches each cell of its square, (cells,)."""
+    nearest = np.maximum(np.abs(np.arange(GUIDE_CELLS) - (GUIDE_CELLS - 1) / 2) - 0.5, 0) * (2 / GUIDE_CELLS)
+    return (np.hypot(*np.meshgrid(nearest, nearest)) < 1).ravel()
 
 
 def _cells(weights: NDArray[np.float64]) -> NDArray[np.uint32]:
-    """The alias tables of places with these weights of cells, one after the other, (places * cells, 4)."""
-    count = weights.shape[1]
-    p = (1 - FLOOR) * weights / weights.sum(axis=1, keepdims=True) + FLOOR / count
-    order = morton_order(GUIDE_CELLS, GUIDE_CELLS)
-    # One table for all: each place has as much as it has cells, so that none gives or takes, but for rounding.
-    threshold, alias = (values.reshape(p.shape) for values in alias_table(p[:, order].ravel()))
-    place, cell = np.divmod(alias.astype(np.int64), count)
-    is_astray = place != np.arange(len(p))[:, None]
-    threshold[is_astray], cell[is_astray] = 1.0, 0
-    texels = np.empty((*p.shape, 4), np.uint32)
-    texels[:, order, 0], texels[:, order, 1] = threshold.astype(np.float32).view(np.uint32), order[cell]
-    density = (p * count).astype(np.float32)
-    texels[..., 2] = density.view(np.uint32)
-    texels[..., 3] = 0
-    return texels.reshape(-1, 4)
+    """The alias tables of places with these weights of cells, one after the other, (places * cells / 4, 4).
+
+    Shares are whole numbers of 1 / GUIDE_STEPS, so that thresholds are whole numbers, too, of `cells / GUIDE_STEPS`,
+    and a cell has 32 bits: small tables stay in caches, and waiting for large ones was most of what a guide cost.
+    """
+    steps, cells, order = cell_steps(weights), GUIDE_CELLS**2, morton_order(GUIDE_CELLS, GUIDE_CELLS)
+    # One table for all: each place has as much as it has cells, so that none gives or takes.
+    mean = GUIDE_STEPS // cells
+    table = alias_table_of_mean_one(steps[:, order].ravel() / mean)
+    threshold, alias = (values.reshape(steps.shape) for values in table)
+    whole = (threshold * mean).astype(np.uint32)
+    other = np.where(whole < mean, order[alias % cells], order)
+    packed = np.empty(steps.shape, np.uint32)
+    packed[:, order] = np.minimum(whole, mean - 1) << 8 | other.astype(np.uint32)
+    packed |= steps.astype(np.uint32) << np.uint32(16)
+    return packed.reshape(-1, 4)
+
+
+def cell_steps(weights: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The shares of samples of the cells of places with these weights, (places, cells), in units of 1 / GUIDE_STEPS."""
+    on_disk = cells_on_disk()
+    weights = weights * on_disk
+    p = (1 - FLOOR) * weights / weights.sum(axis=1, keepdims=True) + FLOOR * on_disk / on_disk.sum()
+    ends = np.round(np.cumsum(p, axis=1) * GUIDE_STEPS).astype(np.int64)
+    ends[:, -1] = GUIDE_STEPS
+    return np.diff(ends, axis=1, prepend=0)

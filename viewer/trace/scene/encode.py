@@ -27,6 +27,7 @@ from .clearance import clearance_texels, has_clearance
 from .deep_media import deep_media, deep_texels
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
+from .lights import MOST_BY_POWER
 from .materials import MapUse, TraceMaterial, map_texels, material_texels
 from .scene_buffer import SceneBufferBuilder
 
@@ -58,9 +59,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     switches["HAS_TRANSMISSION"] |= geometry.scatters
     switches["HAS_TRANSMISSION"] |= any(m.transmits_diffusely and not m.is_thin for m in materials)
     return {name: int(value or everything) for name, value in switches.items()} | {
-        # One of two light samples is worth its time under an environment (benchmarks/results/trace_variance.md), but
-        # not with glass, where most noise is of light that no light sample finds.
-        "FIRST_CANDIDATES": 1 + (scene.environment is not None and not switches["HAS_TRANSMISSION"]),
+        **_light_candidates(scene, geometry, bool(switches["HAS_TRANSMISSION"])),
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "HAS_PANES": int(geometry.has_panes),
         "HAS_NESTED": int(bool(geometry.indices)),
@@ -71,6 +70,16 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_CURVES": int(geometry.curves is not None),
         "HAS_FIBRE_COLORS": int(geometry.curves is not None and geometry.curves.colors is not None),
         "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
+
+
+def _light_candidates(scene: Scene, geometry: TraceGeometry, has_transmission: bool) -> dict[str, int]:
+    """Of how many light samples one is chosen, at what the camera sees and at later hits. Two are worth their time
+    (benchmarks/results/trace_variance.md): under an environment at first, in rooms with emissive triangles, where later
+    hits bring more of the noise, everywhere. With glass most noise is of light that no light sample finds, and of many
+    triangles a sample costs more (light_tree.py)."""
+    is_room = scene.environment is None and 0 < geometry.emitters <= MOST_BY_POWER
+    return {"FIRST_CANDIDATES": 1 + (not has_transmission and (scene.environment is not None or is_room)),
+            "LATER_CANDIDATES": 1 + (not has_transmission and is_room)}
 
 
 def _metalness(materials: Sequence[TraceMaterial]) -> int:
