@@ -11,6 +11,7 @@ from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
 from ..settings import Settings
 from .deferral import MOST_OBJECTS, MOST_TRIANGLES, is_worth_deferring
+from .glass_walls import walls_in_one_layer
 from .media import MAX_VOLUMES
 from .model import LAYERS_LEFT_OUT, Draw, Plan
 from .samplers import MAX_SAMPLERS
@@ -110,6 +111,7 @@ def left_out_lines(plan: Plan, scene: Scene, settings: Settings, lights: Sequenc
         is_glass = settings.mode == "phong" and any(material.transmits for material in scene.materials)
         reason = "in mode phong glass is opaque" if is_glass else "no surface transmits light"
         lines.append(f"the blurred picture behind transmissive surfaces: {reason}")
+    lines += walls_in_one_layer(plan, scene)
     for attribute, text in _ATTRIBUTES.items():
         if not any(attribute in draw.attributes for draw in draws):
             saved = ATTRIBUTE_BYTES[attribute] * sum(len(mesh.positions) for mesh in _drawn(plan, scene)) / 1e6

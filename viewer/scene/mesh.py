@@ -13,6 +13,7 @@ from ..errors import UsageError
 from .arrays import HoldsArrays, scene_array
 
 Topology = Literal["triangles", "lines", "points"]
+_DIRECTIONS = 64
 _CHUNK = 1 << 14
 """Vertices per piece."""
 
@@ -82,6 +83,24 @@ class Mesh(HoldsArrays):
     def bounds(self) -> np.ndarray:
         """The lowest and highest corner of the bounding box of all drawn vertices, (2, 3) float64."""
         return np.stack([self.drawn.min(axis=0), self.drawn.max(axis=0)]).astype(np.float64)
+
+    @cached_property
+    def outermost(self) -> np.ndarray:
+        """Of the positions that are drawn those that are the farthest in some of 64 directions, or all where there are
+        no more, (K, 3) float64. Their hull is nearly that of the mesh: that of a ball is up to 4 % smaller."""
+        if len(self.drawn) <= _DIRECTIONS:
+            return self.drawn.astype(np.float64)
+        k = np.arange(_DIRECTIONS) + 0.5
+        height, turn = 1 - 2 * k / _DIRECTIONS, k * (np.pi * (3 - 5**0.5))  # a Fibonacci lattice on the sphere
+        across = np.sqrt(1 - height**2)
+        directions = np.stack([across * np.cos(turn), height, across * np.sin(turn)], axis=1)
+        farthest, reached = np.zeros((_DIRECTIONS, 3)), np.full(_DIRECTIONS, -np.inf)
+        for chunk in self.drawn_chunks():
+            reach = directions @ chunk.T
+            is_farther = reach.max(axis=1) > reached
+            farthest[is_farther] = chunk[reach[is_farther].argmax(axis=1)]
+            reached = np.maximum(reached, reach.max(axis=1))
+        return np.unique(farthest, axis=0)
 
     @cached_property
     def opening(self) -> float:
