@@ -36,14 +36,20 @@ def without_hidden(levels: list[np.ndarray]) -> list[np.ndarray]:
     """
     if levels[0].shape[2] not in (2, 4):
         return levels
+    texel = np.dtype(f"u{levels[0].dtype.itemsize * levels[0].shape[2]}")  # as one number, which is copied at once
     filled = levels[-1:]
     for level in levels[-2::-1]:
-        rows, columns = np.nonzero(level[..., -1] == 0)
-        if len(rows):
+        hidden = level[..., -1] == 0
+        if hidden.any():
+            smaller = filled[0].copy()
+            smaller[..., -1] = 0
             level = level.copy()
-            last = np.subtract(filled[0].shape[:2], 1)
-            parents = np.minimum(rows // 2, last[0]), np.minimum(columns // 2, last[1])
-            level[rows, columns, :-1] = filled[0][..., :-1][parents]
+            texels, parents = level.view(texel)[..., 0], smaller.view(texel)[..., 0]
+            rows, columns = (np.minimum(np.arange(side) // 2, most - 1)
+                             for side, most in zip(texels.shape, parents.shape, strict=True))
+            for top in range(0, len(texels), _BAND):
+                band = slice(top, top + _BAND)
+                np.copyto(texels[band], parents[rows[band]][:, columns], where=hidden[band])
         filled.insert(0, level)
     return filled
 
