@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator
 
 import pytest
@@ -9,7 +10,7 @@ from contexts import open_or_skip
 from needs import skip
 
 from viewer.gpu.context import Context
-from viewer.gpu.llvmpipe import MOST_HELD, LlvmpipeContext
+from viewer.gpu.llvmpipe import MOST_HELD, LlvmpipeContext, free_looked_up
 
 
 @pytest.fixture
@@ -47,4 +48,16 @@ def test_fences_are_freed_but_the_last(context: Context) -> None:
     assert len(held(context)) == MOST_HELD
     target.use()
     assert len(held(context)) == 1
+    assert context.gl.error == "GL_NO_ERROR"
+
+
+def test_passes_that_free_what_others_have_looked_up_leave_nothing(context: Context) -> None:
+    is_texture = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(context.address("glIsTexture"))
+    texture = context.gl.texture((8, 8), 4)
+    context.gl.framebuffer([texture]).use()
+    before = len(held(context))
+    free_looked_up(context.gl)
+    assert len(set(held(context))) >= before + 8
+    assert context.gl.fbo is context.gl.screen
+    assert [name for name in range(1, 20) if is_texture(name)] == [texture.glo]
     assert context.gl.error == "GL_NO_ERROR"

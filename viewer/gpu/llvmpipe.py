@@ -18,10 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 import moderngl
 
+from .free import free
+
 if TYPE_CHECKING:
     from .context import Context
 
 _SYNC_GPU_COMMANDS_COMPLETE = 0x9117
+_SHORT_PASSES, _SHORT_PASS = 16, (512, 512)
+"""Together they take a millisecond and a half."""
 MOST_HELD = 1024
 """Fences that are kept, of about 100 bytes each, before the next pass waits for the device so that they can be freed.
 """
@@ -92,6 +96,26 @@ def let_others_run(gl: moderngl.Context) -> None:
     waits in such a draw for its threads, and moderngl keeps Python's lock; so this waits, without it."""
     if isinstance(gl, LlvmpipeContext):
         gl.passes.wait()
+
+
+def free_looked_up(gl: moderngl.Context) -> None:
+    """Let llvmpipe free textures that were released, but that passes before have looked up.
+
+    A pass is a "scene" in one of up to 64 places, and keeps what it looks up until its place is taken again
+    (lp_setup_get_empty_scene in lp_setup.c). The first place that is free is taken, and a pass that looks up more than
+    64 MB takes several; so the last of them keep theirs for many passes. Here so many short passes follow each other,
+    each while those before are drawn, that all places are taken.
+    """
+    if not isinstance(gl, LlvmpipeContext):
+        return
+    textures = [gl.texture(_SHORT_PASS, 4) for _ in range(2)]
+    targets = [gl.framebuffer([texture]) for texture in textures]
+    for _ in range(_SHORT_PASSES // 2):
+        for target in targets:
+            target.use()
+            target.clear()
+    gl.passes.wait()
+    free(gl, *targets, *textures)
 
 
 def keep_fences(context: Context) -> None:

@@ -14,7 +14,7 @@ from ..errors import UsageError
 from ..gpu.buffer_texture import most_texels
 from ..gpu.context import Context
 from ..gpu.free import free
-from ..gpu.llvmpipe import let_others_run
+from ..gpu.llvmpipe import free_looked_up, let_others_run
 from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..image.image import Image
@@ -79,6 +79,7 @@ class Renderer:
         self.context.make_current()
         self.plan = self._given = None
         self._prepared.take(Scene("nothing"))
+        free_looked_up(self._gl)
         trim_heap()
 
     def holds(self, scene: Scene) -> bool:
