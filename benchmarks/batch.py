@@ -130,9 +130,10 @@ def _measured(command: list[str], given: Path, watch: Callable[[], int]) -> dict
     """What a command takes that reads the file `given`: seconds, those of all its processes on the processor, the share
     of the cores that was idle or had other work, and the load when it began. `watch` tells how many models are done."""
     load, before, started, told = os.getloadavg()[0], _processor_s(), time.perf_counter(), 0.0
-    with given.open() as names:
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    with given.open() as names:  # with bytecode of ours, as pip compiles packages
         process = subprocess.Popen(command, stdin=names, cwd=REPOSITORY, stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL)
+                                   stderr=subprocess.DEVNULL, env=environment)
         try:
             while process.poll() is None:
                 models, passed = watch(), time.perf_counter() - started

@@ -101,7 +101,7 @@ def let_others_run(gl: moderngl.Context) -> None:
 def free_looked_up(gl: moderngl.Context) -> None:
     """Let llvmpipe free textures that were released, but that passes before have looked up.
 
-    A pass is a "scene" in one of up to 64 places, and keeps what it looks up until its place is taken again
+    A pass is a "scene" in one of several places, and keeps what it looks up until its place is taken again
     (lp_setup_get_empty_scene in lp_setup.c). The first place that is free is taken, and a pass that looks up more than
     64 MB takes several; so the last of them keep theirs for many passes. Here so many short passes follow each other,
     each while those before are drawn, that all places are taken.
