@@ -211,8 +211,34 @@ def test_photons_are_traced_again_only_for_other_light(monkeypatch) -> None:
     sky = Environment("sky", np.ones((2, 4, 3), np.float32))
     guide_of(replace(scene, environment=sky), with_lamp, geometry)
     assert len(traced) == 1
-    guide_of(scene, first)  # of a geometry that was made again
-    assert len(traced) == 2
+    again = trace_geometry(scene, (scene, geometry))  # made again, as for a pose in which a colour changes
+    assert guide_of(scene, first, again).tables is first.tables and len(traced) == 1
+
+
+def test_photons_are_traced_again_for_what_they_meet(monkeypatch) -> None:
+    """Not for a colour or a turn of an even sky, but for a body that has moved, the metal's roughness, a sky's turn."""
+    even = Environment("sky", np.ones((4, 8, 3), np.float32))
+    bright = np.ones((4, 8, 3), np.float32)
+    bright[0, 4] = 50
+    spot = Environment("lamp", bright)
+    scene = with_ball(METAL, FLOOR, (LAMP, ABOVE))
+    geometry, traced = trace_geometry(scene), []
+    monkeypatch.setattr(caustic_guide, "caustic_rays", lambda *of: traced.append(of) or caustic_rays(*of))
+
+    def traces(changed: Scene, base: Scene) -> int:
+        guide = guide_of(base, geometry=trace_geometry(base, (scene, geometry)))
+        before = len(traced)
+        guide_of(changed, guide, trace_geometry(changed, (scene, geometry)))
+        return len(traced) - before
+
+    floor, lamp, metal = scene.materials
+    assert traces(replace(scene, materials=(replace(floor, base_color=(0.1, 0.9, 0.1, 1)), lamp, metal)), scene) == 0
+    assert traces(replace(scene, materials=(floor, lamp, replace(metal, perceptual_roughness=0.2))), scene) == 1
+    moved = replace(scene.instances[0], transform=scene.instances[0].transform @ np.diag([0.9, 1, 0.9, 1]))
+    assert traces(replace(scene, instances=(moved, *scene.instances[1:])), scene) == 1
+    for sky, times in ((even, 0), (spot, 1)):
+        under = replace(scene, environment=sky)
+        assert traces(replace(under, environment=replace(sky, rotation=1.0)), under) == times
 
 
 def test_a_plan_traces_no_photons(monkeypatch) -> None:
@@ -268,7 +294,7 @@ def test_the_picture_is_the_same_with_less_noise(context, material, monkeypatch)
     pictures = {}
     for name in ("guided", "plain"):
         if name == "plain":
-            monkeypatch.setattr(caustic_guide, "_tables", lambda *_: [])
+            monkeypatch.setattr(caustic_guide, "may_guide", lambda *_: False)
         tracer = Tracer(context)
         pictures[name] = np.array([
             tracer.render(scene, camera, Settings.of(mode="path", spp=32, seed=seed, background="#000000"), (16, 16))

@@ -42,12 +42,7 @@ class EmbreeTriangles:
 
     def are_those_of(self, geometry: TraceGeometry) -> bool:
         """Whether no triangle of `geometry` has moved or is of another kind."""
-        ours = self._geometry
-        pairs = list(zip(ours.instances, geometry.instances, strict=False))
-        return ((len(ours.meshes), len(ours.instances)) == (len(geometry.meshes), len(geometry.instances))
-                and all(a is b for a, b in zip(ours.meshes, geometry.meshes, strict=True))
-                and all(a.mesh == b.mesh and a.kind is b.kind for a, b in pairs)
-                and np.array_equal([a.transform for a, _ in pairs], [b.transform for _, b in pairs]))
+        return self._geometry.has_triangles_of(geometry)
 
     def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
         """The nearest hits: `primID` (-1: none), `u`, `v` and `tfar`, (rays,) each, and `Ng`, (rays, 3), the normals on

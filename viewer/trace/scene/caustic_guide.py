@@ -24,7 +24,7 @@ from ...settings import Settings
 from ..layout import GUIDE_CELLS, GUIDE_PLACES, GUIDE_STEPS
 from ..rays.intersect import Intersector
 from .alias import alias_table_of_mean_one, morton_order
-from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, receives
+from .caustic_rays import Caster, CausticRays, basis, casters_of, caustic_rays, optics, receives
 from .geometry import TraceGeometry
 from .lights import SceneLights
 from .scene_buffer import SceneBufferBuilder
@@ -55,12 +55,14 @@ class CausticGuide:
     def __init__(self, scene: Scene, geometry: TraceGeometry, buffer: SceneBufferBuilder, lights: SceneLights,
                  intersector: Intersector | None = None, previous: CausticGuide | None = None,
                  is_wanted: bool = True) -> None:
-        self._geometry, self._environment, (_, self._emitted) = geometry, _environment(scene, lights), lights.emitters
+        self._geometry, self._environment, self._emitters = geometry, _environment(scene, lights), lights.emitters
+        self._optics = [optics(geometry, instance) for instance in geometry.instances]
         self._is_made = is_wanted and may_guide(scene, geometry, lights)
-        self.tables: list[Table] = []
+        self._found = _Found([], False)
         if self._is_made:
-            self.tables = (previous.tables if previous is not None and self._is_as(previous)
-                           else _tables(scene, geometry, lights, intersector))
+            self._found = (previous._found if previous is not None and self._is_as(previous)
+                           else _find(scene, geometry, lights, intersector))
+        self.tables = self._found.tables
         tables = self.tables
         self.count = len(tables)
         self.uniforms: dict[str, object] = {"u_guide_count": self.count}
@@ -82,8 +84,17 @@ class CausticGuide:
 
     def _is_as(self, other: CausticGuide) -> bool:
         """Whether both are of the same bodies and the same light, so that photons would find the same."""
-        return (other._is_made and self._geometry is other._geometry and self._environment is other._environment
-                and np.array_equal(self._emitted, other._emitted))
+        return (other._is_made and self._is_lit_as(other) and self._optics == other._optics
+                and all(np.array_equal(a, b) for a, b in zip(self._emitters, other._emitters, strict=True))
+                and self._geometry.has_triangles_of(other._geometry))
+
+    def _is_lit_as(self, other: CausticGuide) -> bool:
+        """Whether the environment is the same for photons. A turn is of no matter if it has no lamps."""
+        a, b = self._environment, other._environment
+        if a is None or b is None:
+            return a is b
+        return (a.source is b.source and a.intensity == b.intensity
+                and (a.rotation == b.rotation or not other._found.follows_environment))
 
 
 def guides(settings: Settings) -> bool:
@@ -114,8 +125,15 @@ class Table:
     shares: NDArray[np.float64]
 
 
-def _tables(scene: Scene, geometry: TraceGeometry, lights: SceneLights, intersector: Intersector | None,
-            ) -> list[Table]:
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """What photons found, and whether any of them came from an environment."""
+
+    tables: list[Table]
+    follows_environment: bool
+
+
+def _find(scene: Scene, geometry: TraceGeometry, lights: SceneLights, intersector: Intersector | None) -> _Found:
     emitters, emitted = lights.emitters
     environment = _environment(scene, lights)
     casters = casters_of(geometry, _LARGEST, _CANDIDATES)
@@ -127,7 +145,7 @@ def _tables(scene: Scene, geometry: TraceGeometry, lights: SceneLights, intersec
     rays = caustic_rays(scene, geometry, triangles, casters, emitters, emitted, environment)
     flux = np.bincount(rays.caster, rays.flux, len(casters))
     tables = [caster_table(casters[k], k, rays) for k in np.argsort(-flux, kind="stable")[:MOST_CASTERS]]
-    return [table for table in tables if table.shares.any()]
+    return _Found([table for table in tables if table.shares.any()], rays.follows_environment)
 
 
 def caster_table(caster: Caster, number: int, rays: CausticRays) -> Table:

@@ -6,7 +6,7 @@ are left out, and so are lights without size.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -50,7 +50,8 @@ class CausticRays:
     """N rays: the number of the `caster` that each comes from (N,), the `point` that it meets and the `direction` back
     along it, (N, 3) in tracer space, the `cosine` there to the normal, and its `flux`, both (N,).
 
-    `mean` is about the irradiance of a surface by all lights."""
+    `mean` is about the irradiance of a surface by all lights. `follows_environment`: photons came from an environment.
+    """
 
     caster: NDArray[np.int64]
     point: NDArray[np.float64]
@@ -58,6 +59,7 @@ class CausticRays:
     cosine: NDArray[np.float64]
     flux: NDArray[np.float64]
     mean: float
+    follows_environment: bool
 
 
 def is_smooth(geometry: TraceGeometry, instance: TraceInstance) -> bool:
@@ -74,6 +76,13 @@ def receives(geometry: TraceGeometry, instance: TraceInstance) -> bool:
     """Whether paths go on from there by the guide: from what scatters light to all sides."""
     is_lit = not geometry.materials[instance.material].material.unlit
     return instance.kind == SURFACE and is_lit and not is_smooth(geometry, instance)
+
+
+def optics(geometry: TraceGeometry, instance: TraceInstance) -> tuple[object, ...]:
+    """What photons know of a body, beside its triangles and its kind."""
+    material = geometry.materials[instance.material].material
+    bends = (material.perceptual_roughness, material.ior) if is_smooth(geometry, instance) else ()
+    return receives(geometry, instance), material.double_sided, bends
 
 
 def casters_of(geometry: TraceGeometry, largest: float, most: int) -> list[Caster]:
@@ -105,7 +114,9 @@ def caustic_rays(scene: Scene, geometry: TraceGeometry, triangles: EmbreeTriangl
         radiance = environment.radiance @ LUMINANCE.astype(np.float32) * environment.intensity
         photons = photons.joined(_from_environment(radiance, environment.rotation, casters, rng))
         mean += np.pi * _mean(radiance)
-    return _traced(scene, geometry, triangles, casters, photons, mean, rng)
+    follows = environment is not None and len(photons.flux) > PHOTONS * bool(emitted.any())
+    caster, point, direction, cosine, flux = _traced(scene, geometry, triangles, casters, photons, rng)
+    return CausticRays(caster, point, direction, cosine, flux, mean, follows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,8 +199,8 @@ def _from_emitters(geometry: TraceGeometry, casters: Sequence[Caster], emitters:
 
 
 def _traced(scene: Scene, geometry: TraceGeometry, triangles: EmbreeTriangles, casters: Sequence[Caster],
-            photons: _Photons, mean: float, rng: np.random.Generator) -> CausticRays:
-    """Follows photons from caster to caster, until they meet a rough surface."""
+            photons: _Photons, rng: np.random.Generator) -> Iterator[NDArray]:
+    """Follows photons from caster to caster, until they meet a rough surface: the arrays of `CausticRays`."""
     caster_of = np.full(len(geometry.instances), -1)
     caster_of[[caster.instance for caster in casters]] = np.arange(len(casters))
     is_receiver = np.array([receives(geometry, instance) for instance in geometry.instances])
@@ -216,8 +227,7 @@ def _traced(scene: Scene, geometry: TraceGeometry, triangles: EmbreeTriangles, c
         at = np.stack([1 - found["u"][on] - found["v"][on], found["u"][on], found["v"][on]], axis=1)
         direction = _scattered(scene, geometry, instance, triangle, at, normal, direction, rng)
         origin = origin + _STEP * direction
-    caster, point, back, cosines, fluxes = (np.concatenate(parts) for parts in zip(*landed, strict=True))
-    return CausticRays(caster, point, back, cosines, fluxes, mean)
+    return (np.concatenate(parts) for parts in zip(*landed, strict=True))
 
 
 def _scattered(scene: Scene, geometry: TraceGeometry, instance: NDArray, triangle: NDArray, barycentric: NDArray,

@@ -122,6 +122,14 @@ class TraceGeometry:
         """Number of triangles of all instances."""
         return sum(len(self.meshes[instance.mesh].triangles) for instance in self.instances)
 
+    def has_triangles_of(self, other: TraceGeometry) -> bool:
+        """Whether no triangle of the other has moved or is of another kind. Materials may differ."""
+        pairs = list(zip(self.instances, other.instances, strict=False))
+        return ((len(self.meshes), len(self.instances)) == (len(other.meshes), len(other.instances))
+                and all(a is b for a, b in zip(self.meshes, other.meshes, strict=True))
+                and all(a.mesh == b.mesh and a.kind is b.kind for a, b in pairs)
+                and np.array_equal([a.transform for a, _ in pairs], [b.transform for _, b in pairs]))
+
 
 def trace_geometry(
     scene: Scene, before: tuple[Scene, TraceGeometry] | None = None, *, scattering: bool = True, fog: Fog | None = None,
