@@ -221,9 +221,10 @@ def _table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
     lines = [head, ["---"] * len(head)]
     for row in rows:
         engines = row["engines"]
-        rank = 1 + sum(score < row["default"]["plain"] for score in engines.values())
+        own = row.get("default")
+        rank = str(1 + sum(score < own["plain"] for score in engines.values())) if own else ""
         lines.append([row["scenario"], f"{row['floor']:.3f}", _marked([row], "own", f"{row['own']['plain']:.3f}"),
-                      f"{row['third']:.3f}" if row["third"] else "", str(rank), *(_cell([row], v, 3) for v in VERSIONS),
+                      f"{row['third']:.3f}" if row["third"] else "", rank, *(_cell([row], v, 3) for v in VERSIONS),
                       *(f"{engines[e]:.3f}" if e in engines else "" for e in scorer.REAL_TIME)])
     full = [row for row in rows if len(row["engines"]) == len(scorer.REAL_TIME) and "without" not in row["scenario"]]
     complete = [row for row in full if VERSIONS.keys() <= row.keys()]

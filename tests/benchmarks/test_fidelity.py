@@ -63,6 +63,17 @@ def test_scores_of_an_older_rule_and_means_with_them_are_marked(monkeypatch: pyt
     assert [cells(line)[at] for line in lines[:3]] == ["0.200 (0.100)", "0.400 (*0.200*)", "0.3000 (*0.1500*)"]
 
 
+def test_columns_that_were_never_measured_are_empty(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fidelity, "VERSIONS", {"default": {}, "path": {}})
+    older = row("a", 0.2, 0.1, 0.3, path=0.1)
+    del older["default"]
+    head, _, *lines = fidelity._table(SCORER, [older])
+    at = cells(head).index
+    assert len(lines) == 2
+    for line in map(cells, lines):
+        assert line[at("rank")] == line[at("default")] == "" and line[at("path")].startswith("0.100")
+
+
 def test_rows_that_are_not_drawn_stay_as_they_were() -> None:
     kept = {name: {"scenario": name, "default": 1} for name in ("Box", "Duck", "Fox")}
     rows = fidelity.joined(kept, [{"scenario": "Duck", "default": 2}, {"scenario": "New", "default": 3}])
