@@ -64,8 +64,8 @@ void find_surface() {
     deferred_footprint = length(position_slope[0]) + length(position_slope[1]);
     v_position = is_mine ? p0 + edge * b : vec3(0.0);
     vec3 apart_x = dFdx(v_position) - position_slope[0], apart_y = dFdy(v_position) - position_slope[1];
-    deferred_alike = vec2(lessThan(vec2(dot(apart_x, apart_x), dot(apart_y, apart_y)),
-        0.25 * vec2(dot(position_slope[0], position_slope[0]), dot(position_slope[1], position_slope[1]))));
+    deferred_alike = lessThan(vec2(dot(apart_x, apart_x), dot(apart_y, apart_y)),
+        0.25 * vec2(dot(position_slope[0], position_slope[0]), dot(position_slope[1], position_slope[1])));
 #if HAS_NORMAL
     vec4 n0 = geometry(at.x + 1), n1 = geometry(at.y + 1), n2 = geometry(at.z + 1);
     v_normal = u_normal_matrix * (n0.xyz + mat2x3(n1.xyz - n0.xyz, n2.xyz - n0.xyz) * b);

@@ -6,12 +6,13 @@
 #if DEFERRED
 #define VARYING
 #define IS_FRONT deferred_front
-#define D_DX(value) (dFdx(value) * deferred_alike.x)
-#define D_DY(value) (dFdy(value) * deferred_alike.y)
+// What the neighbour has may be no number where it shows another surface or none.
+#define D_DX(value) mix(vec3(0.0), dFdx(value), bvec3(deferred_alike.x))
+#define D_DY(value) mix(vec3(0.0), dFdy(value), bvec3(deferred_alike.y))
 bool deferred_front;
 float deferred_footprint; // length of a pixel on the surface, along x and along y together
 vec3 deferred_face; // perpendicular to the triangle
-vec2 deferred_alike; // 1 where the neighbour along x, along y of the quad shows the same surface, else 0
+bvec2 deferred_alike; // whether the neighbour along x, along y of the quad shows the same surface
 #else
 #define VARYING in
 #define IS_FRONT gl_FrontFacing

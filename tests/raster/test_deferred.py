@@ -166,6 +166,15 @@ def test_parts_and_poses(renderer):
     assert np.abs(after - right).mean() < 0.05 * np.abs(before - right).mean()
 
 
+def test_highlights_are_numbers_at_outlines(renderer):
+    """The neighbour of a pixel there shows nothing that derivatives could be made of."""
+    lamps = replace(SUN, angular_radius=0.0), Light("point", intensity=3.0, position=(0.5, 1.0, 1.0))
+    model = scene((sphere(0, 24), moved((0.0, 0.2, 0))), materials=(replace(SMOOTH, clearcoat=1.0),), lights=lamps)
+    deferred, multisampled = (drawn(renderer, model, CAMERA, antialias) for antialias in ("deferred-4", "msaa-4"))
+    assert np.isfinite(deferred).all()
+    assert deferred[..., :3].mean() == pytest.approx(multisampled[..., :3].mean(), rel=0.05)
+
+
 def test_frames_before_and_after_are_as_ever(renderer):
     """It leaves no state behind that others do not expect, as those that draw shadow maps and G-buffers."""
     model, settings = still_life(), {"environment_shadows": "16", "background": "none"}
