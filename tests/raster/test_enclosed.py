@@ -38,6 +38,12 @@ def test_the_opening_of_a_surface(mesh, opening):
     assert replace(mesh, indices=mesh.indices[::-1]).opening == 1.0
 
 
+@pytest.mark.parametrize("topology", ["points", "lines"])
+def test_points_and_lines_enclose_nothing(topology):
+    ball = sphere()
+    assert replace(ball, topology=topology, indices=ball.indices[:4]).opening == 1.0
+
+
 def test_a_clear_wall_hides_no_light_and_a_tinted_one_only_that_of_other_colours():
     assert inside(CLEAR, sphere()) == pytest.approx(np.ones(3))
     assert inside(replace(CLEAR, base_color=(*COLOR, 1)), sphere()) == pytest.approx(COLOR)

@@ -108,8 +108,10 @@ class Mesh(HoldsArrays):
 
         The areas of a closed surface cancel as vectors, so that what is left of them is that of a flat opening. Of what
         the inner sides of a convex vessel see, it is such a share, as form factors are reciprocal. 1, too, where the
-        triangles face the inside.
+        triangles face the inside, and of points and lines, which enclose nothing.
         """
+        if self.topology != "triangles":
+            return 1.0
         corners = self.positions if self.indices is None else self.positions[self.indices]
         a, b, c = (corners.reshape(-1, 3, 3) - self.bounds.mean(axis=0)).transpose(1, 0, 2)
         areas = np.cross(b - a, c - a)
