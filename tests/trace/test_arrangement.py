@@ -10,11 +10,12 @@ from shapes import WHITE, constant, facing_floor, lopsided, plate, scene, sphere
 
 import viewer
 from viewer.base.resources import resource_folder
+from viewer.gpu.float_target import float_target
 from viewer.scene.camera import Camera
 from viewer.scene.material import Material
 from viewer.settings import Settings
 from viewer.trace.layout import NO_KIND, TILE
-from viewer.trace.paths import coverage, path_render, wavefront_maker
+from viewer.trace.paths import coverage, gathered, path_render, wavefront, wavefront_maker
 from viewer.trace.paths.arrangement import Arrangement
 from viewer.trace.paths.run import run
 from viewer.trace.rays.embree import EmbreeIntersector
@@ -169,3 +170,22 @@ def test_a_graphics_card_with_embree_keeps_all_samples(context, monkeypatch):
     assert path_render.bad_samples == 0
     path_render.release()
     tracer.release()
+
+
+def test_nothing_is_read_of_what_textures_held_before(tracer, monkeypatch):
+    """OpenGL does not say what new textures hold, and those of a sorted wavefront are not cleared."""
+    scene = viewer.load(resource_folder("assets") / "scenes" / "glass.glb", environment=None)
+    scene = scene.relit(environment=lopsided(), lights=scene.lights)
+    camera = Camera.framing(scene.center, scene.radius, 1.0)
+
+    def full(gl, size):
+        texture = float_target(gl, size)
+        texture.write(np.full((*size, 4), np.nan, np.float32))
+        return texture
+
+    pictures = []
+    for target in (float_target, full):
+        monkeypatch.setattr(wavefront, "float_target", target)
+        monkeypatch.setattr(gathered, "float_target", target)
+        pictures.append(tracer.render(scene, camera, Settings.of(mode="path", spp=3), (24, 16)).linear)
+    assert np.isfinite(pictures[1]).all() and np.array_equal(*pictures)
