@@ -1,7 +1,7 @@
-// Where there is no surface, inside of solids that scatter light behind a boundary which refracts, and in media in which
-// paths take long steps (media/deep_walk.glsl). A grid of cubes tells how far the nearest surface is, at least, from
-// anywhere in a cube (viewer/trace/scene/clearance.py): from ball to ball a ray gets on without being traced (Hart 1996,
-// "Sphere Tracing").
+// Where there is no surface, inside of solids that scatter light behind a boundary which refracts, and in media in
+// which paths take long steps (media/deep_walk.glsl). A grid of cubes tells how far the nearest surface is, at least,
+// from anywhere in a cube (viewer/trace/scene/clearance.py): from ball to ball a ray gets on without being traced (Hart
+// 1996, "Sphere Tracing").
 #include "trace/scene_buffer.glsl"
 
 uniform int u_clearance; // section of the scene buffer

@@ -1,6 +1,7 @@
-// Paths deep in a dense medium, where they would collide hundreds of times: from sphere to sphere, as long as these stay
-// away from surfaces and lamps (viewer/trace/scene/deep_media.py; Muller 1956, "Some Continuous Monte Carlo Methods for
-// the Dirichlet Problem"). A path is scattered evenly at a point of the sphere that is chosen evenly, and weighs
+// Paths deep in a dense medium, where they would collide hundreds of times: from sphere to sphere, as long as these
+// stay away from surfaces and lamps (viewer/trace/scene/deep_media.py; Muller 1956, "Some Continuous Monte Carlo
+// Methods for the Dirichlet Problem"). A path is scattered evenly at a point of the sphere that is chosen evenly, and
+// weighs
 //   kappa R / sinh(kappa R),    in a white medium 1.
 #include "bsdf/constants.glsl"
 #include "media/clearance.glsl"

@@ -1,6 +1,6 @@
-// Paths of very many collisions, in media that absorb next to nothing, end all the same: the mean free path grows. Where
-// a walk has been for n collisions it has come about sqrt(n) mean free paths far, and while that grows by a factor, so
-// may the mean free path. Where light leaves a white medium does not depend on it but near the boundary.
+// Paths of very many collisions, in media that absorb next to nothing, end all the same: the mean free path grows.
+// Where a walk has been for n collisions it has come about sqrt(n) mean free paths far, and while that grows by a
+// factor, so may the mean free path. Where light leaves a white medium does not depend on it but near the boundary.
 
 // The extinction of a path's media over what it was at first
 float extinction_left(Path p) {

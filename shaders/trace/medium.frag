@@ -19,7 +19,8 @@
 
 const int MOST_AT_ONCE = 32; // collisions of a path in one pass
 
-// Samples the direction in which a path that has collided goes on; `asked`: it has asked a light there. Returns false if it ends there.
+// Samples the direction in which a path that has collided goes on; `asked`: it has asked a light there. Returns false
+// if it ends there.
 bool scatter_in(inout Path p, Medium m, bool asked, vec3 u) {
     vec3 direction = any_phase_sample(m.phase, p.direction, u.xy);
 #if PHOTONS

@@ -125,7 +125,7 @@ class Tracer:
         several are those of one picture.
 
         With `every` of 2 or more the picture is of each so many'th pixel along both axes, size // every of them.
-        `layers` are names of `viewer.trace.paths.layers.TRACED_LAYERS`. `denoise="raster"` needs a `guide`: what the
+        `layers` are names of `viewer.trace.paths.layers.read_layers`. `denoise="raster"` needs a `guide`: what the
         raster draws of the same, linear radiance (H, W, 3) (`viewer.estimate.mixture.draw_guide`). Raises UsageError
         for a size that this OpenGL cannot draw, a denoiser that is not installed or without its guide, InputError for a
         scene that does not fit. The render can be continued until another scene is begun. `is_interactive` is for views
