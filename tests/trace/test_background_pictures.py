@@ -66,6 +66,17 @@ def test_the_background_is_blurred_and_nothing_else(mode, degrees):
     assert np.array_equal(sharp.linear, soft.linear)
 
 
+def test_where_buffers_are_small_the_blur_is_wider(monkeypatch):
+    """OpenGL 3.3 grants 65536 texels, in which maps of 128 rows fit. These resolve a blur of two degrees."""
+    monkeypatch.setattr("viewer.gpu.smooth_map.most_texels", lambda context: 1 << 16)
+    environment, camera = map_of(128), Camera.orbit((0, 0, 0), 3.0, 2.0, 0.2)
+    picture = viewer.render(Scene("empty", environment=environment), SIZE, camera, mode="path", background_blur=0.5,
+                            **MODES["path"])
+    texels = blurred(environment.radiance, 0.5, 128)
+    assert texels.shape == (128, 256, 3)
+    assert np.abs(picture.linear[..., :3] - seen(environment, texels, camera)).max() < 0.01
+
+
 def test_programs_have_b_splines_only_where_the_background_needs_them():
     """A map of texels as fine as pixels is looked up once, and a background that is not seen not at all."""
     empty, camera = Scene("empty", environment=map_of(16)), Camera.orbit((0, 0, 0), 3.0, 2.0, 0.2)

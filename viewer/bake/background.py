@@ -23,15 +23,18 @@ def background_map(radiance: np.ndarray) -> np.ndarray:
     return radiance.astype(np.float16) if radiance.max() < 65504 else radiance
 
 
-def blurred(radiance: np.ndarray, degrees: float) -> np.ndarray:
-    """The map blurred by a Gaussian of that standard deviation, (h, 2h, 3) float32, with as many rows as it needs.
+def blurred(radiance: np.ndarray, degrees: float, most_rows: int = HEIGHT) -> np.ndarray:
+    """The map blurred by a Gaussian of that standard deviation, (h, 2h, 3) float32, with as many rows as it needs, but
+    at most `most_rows`, a power of two.
 
     The Gaussian of the sphere is the heat kernel, which scales harmonics of degree l by exp(-l (l + 1) s^2 / 2); where
-    s is small it is the plane's. It is positive and conserves energy. A blur below LEAST_BLUR is one of LEAST_BLUR.
+    s is small it is the plane's. It is positive and conserves energy. A blur below LEAST_BLUR is one of LEAST_BLUR, and
+    with fewer rows than HEIGHT one of as many more degrees.
     """
-    variance = math.radians(max(degrees, LEAST_BLUR)) ** 2
+    most_rows = min(most_rows, HEIGHT)
+    variance = math.radians(max(degrees, LEAST_BLUR * HEIGHT / most_rows)) ** 2
     degree = min(math.ceil(math.sqrt(2 * _TAIL / variance)), HEIGHT - 1)
-    height = min(1 << (2 * degree).bit_length(), HEIGHT)  # a texel is then at most a third of s, but for the least s
+    height = min(1 << (2 * degree).bit_length(), most_rows)  # a texel is then at most a third of s, but for the least s
     orders = np.arange(degree + 1)
     theta = np.pi * (np.arange(height // 2) + 0.5) / height
     source = resample(radiance, HEIGHT, 2 * HEIGHT)

@@ -44,7 +44,18 @@ class SmoothMap:
 
 def can_be_smooth(context: Context, pixels: np.ndarray) -> bool:
     """Whether a buffer can have the pairs of this map."""
-    height, width = pixels.shape[:2]
+    return _fits(context, *pixels.shape[:2])
+
+
+def most_smooth_rows(context: Context) -> int:
+    """The most rows, a power of two, of a map twice as wide as high whose pairs a buffer can have."""
+    rows = 1
+    while _fits(context, 2 * rows, 4 * rows):
+        rows *= 2
+    return rows
+
+
+def _fits(context: Context, height: int, width: int) -> bool:
     return (height + 2 * _MARGIN) * (width + 2 * _MARGIN - 1) <= most_texels(context)
 
 

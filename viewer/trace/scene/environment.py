@@ -11,7 +11,7 @@ from ...bake.background import blurred, is_magnified
 from ...gpu.context import Context
 from ...gpu.float_texture import float_texture
 from ...gpu.programs import set_uniform
-from ...gpu.smooth_map import SmoothMap, can_be_smooth
+from ...gpu.smooth_map import SmoothMap, can_be_smooth, most_smooth_rows
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.equirect import texel_solid_angles
@@ -104,7 +104,7 @@ class EnvironmentTable:
         self._forget_smooth()
         self._blur, self.background_rows = degrees, self._map.height
         if degrees:
-            pixels = blurred(self.environment.radiance, degrees)
+            pixels = blurred(self.environment.radiance, degrees, most_smooth_rows(self._context))
             self._smooth, self.background_rows = SmoothMap(self._context, pixels), len(pixels)
 
     def is_background_smooth(self, pixel_angle: float) -> bool:
