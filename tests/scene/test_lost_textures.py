@@ -12,6 +12,7 @@ from images import noise
 
 import viewer
 from viewer.errors import InputError
+from viewer.jobs.model_renderer import ModelRenderer
 from viewer.scene.environment_files import load_environment
 from viewer.scene.load import load_scene
 from viewer.scene.scene import Scene
@@ -110,6 +111,21 @@ def test_the_command_line_says_it_once_for_each_image(tmp_path, capsys):
         [line] = outcome.err.splitlines()
         assert line.startswith(f"{path}: warning: {path}: images[0]: cannot be decoded: ")
     assert f"warnings:\n  - {path}: images[0]: cannot be decoded: " in outcome.out
+
+
+def test_the_command_line_says_it_once_when_other_threads_decode_meanwhile(tmp_path, capsys, monkeypatch):
+    """As they do where a model is loaded while another one is drawn."""
+    path, warn = tmp_path / "quad.glb", ModelRenderer._warn
+    path.write_bytes(broken_at_decoding().glb())
+
+    def warn_and_decode(self, model, scene):
+        warn(self, model, scene)
+        for image in scene.images:
+            image.decode()
+
+    monkeypatch.setattr(ModelRenderer, "_warn", warn_and_decode)
+    [line] = runner(capsys)("render", path, "-o", tmp_path / "quad.png", "--size", "16").err.splitlines()
+    assert line.startswith(f"{path}: warning: {path}: images[0]: cannot be decoded: ")
 
 
 def test_of_an_obj_a_broken_image_leaves_the_factors_and_the_other_map(tmp_path):

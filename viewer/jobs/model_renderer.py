@@ -53,6 +53,8 @@ class ModelRenderer:
         self._environment = make_environment(options)
         self._context: Context | None = None
         self._begun: dict[RenderTask, Future[tuple[Scene, Decoder]]] = {}
+        self._warned: list[str] = []
+        """What the user has been warned of in this model."""
         self.may_pass = False
         """Whether the last task has failed for want of memory, or at writing, so that another try may do it."""
         self._request = RenderRequest(
@@ -153,13 +155,13 @@ class ModelRenderer:
 
     def _picture(self, task: RenderTask, scene: Scene, view: View, start: float, progress: Progress) -> Record:
         """Make the picture of a view. `start` is when loading began, or the view before it had ended."""
-        path, maker, loaded, known = task.picture(view.label), self._maker, time.perf_counter(), scene.all_warnings
+        path, maker, loaded = task.picture(view.label), self._maker, time.perf_counter()
         progress.say(f"{path.name}: rendering")
         self._request.size = view.size
         self._choose_quality(scene, view.size)
         image = maker.make(scene, view.camera, path, progress)
         of_camera = [] if self._job.chooses else camera_warnings(scene, self._settings, view.camera)
-        self._warn_after(task.model, scene, known, of_camera)
+        self._warn_after(task.model, scene, of_camera)
         rendered = time.perf_counter()
         with made_folders(path.parent):
             image.save(path)
@@ -178,7 +180,7 @@ class ModelRenderer:
         from ..image.sheet import labelled_sheet
         from .sheets import sheet_views
 
-        path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
+        path, loaded = task.picture(), time.perf_counter()
         views, cells = sheet_views(task.model, scene, self._job.options), []
         self._choose_quality(scene, self._job.options["size"])  # that of each view
         for number, view in enumerate(views):
@@ -187,7 +189,7 @@ class ModelRenderer:
             cells.append((view.title, self._maker.make(scene, view.camera, path, progress).srgb))
             if self.stopped is not None:
                 break
-        self._warn_after(task.model, scene, known, [])
+        self._warn_after(task.model, scene)
         rendered = time.perf_counter()
         sheet = labelled_sheet(cells, self._job.options["sheet"][0], self._job.options["size"])
         sheet.save(path)
@@ -201,13 +203,13 @@ class ModelRenderer:
 
     def _film(self, task: RenderTask, scene: Scene, film: Film, start: float, progress: Progress) -> Record:
         """As `_picture`."""
-        path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
+        path, loaded = task.picture(), time.perf_counter()
         progress.say(f"{path.name}: rendering")
         self._choose_quality(scene, self._request.size)  # one for all frames
         with postponed() as request:
             count = write_film(path, self._frames(scene, film, path, progress), film.fps)
         self._maker.stopped = self._maker.stopped or request.number
-        self._warn_after(task.model, scene, known, [])
+        self._warn_after(task.model, scene)
         rendered = time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": 0.0, "total": rendered - start}
         how_far = f"{count} of {len(film.frames)} frames"
@@ -225,17 +227,19 @@ class ModelRenderer:
             self._tell(f"pbr-viewer: {path}: stopped after {how_far}")
         return self._record(model, path, scene, seconds)
 
-    def _warn_after(self, model: str, scene: Scene, known: Sequence[str], of_camera: Sequence[str]) -> None:
-        """Warn of what is known only when the picture is there. `known` are the scene's warnings before; what is wrong
-        with textures is known when they are decoded."""
+    def _warn_after(self, model: str, scene: Scene, of_camera: Sequence[str] = ()) -> None:
+        """Warn of what is known only when the picture is there. What is wrong with textures is known when they are
+        decoded, which other threads may do at any time."""
         if not self._job.options["quiet"]:
-            lost = [line for line in scene.all_warnings if line not in known]
+            lost = [line for line in scene.all_warnings if line not in self._warned]
+            self._warned += lost
             for warning in [*lost, *of_camera, *sample_warnings(self._maker.stats)]:
                 self._tell(f"{model}: warning: {warning}")
 
     def _warn(self, model: str, scene: Scene) -> None:
         if not self._job.options["quiet"]:
-            for warning in known_warnings(scene, self._settings):
+            self._warned = known_warnings(scene, self._settings)
+            for warning in self._warned:
                 self._tell(f"{model}: warning: {warning}")
 
     def _tell_error(self, scene: Scene, camera: Camera, path: Path, map_path: Path | None, progress: Progress) -> str:

@@ -67,13 +67,12 @@ class PartRenderer(ModelRenderer):
                 assert film is not None
                 self._film_of = task.model, scene, film
             _, scene, film = self._film_of
-            known = scene.all_warnings
             self._choose_quality(scene, self._request.size)
             if task.frames.start == 0:
                 self._warn(task.model, scene)
             part = replace(film, frames=film.frames[task.frames.start:task.frames.stop])
             pictures = np.stack([image.srgb for image in self._frames(scene, part, path, nowhere)])
             if task.frames.start == 0:
-                self._warn_after(task.model, scene, known, [])
+                self._warn_after(task.model, scene)
             return [{"model": task.model, "output": str(path)}], pictures
         return records, None
