@@ -16,6 +16,7 @@ bvec2 deferred_alike; // whether the neighbour along x, along y of the quad show
 #else
 #define VARYING in
 #define IS_FRONT gl_FrontFacing
-#define D_DX(value) dFdx(value)
-#define D_DY(value) dFdy(value)
+// A neighbour beyond the horizon of the triangle's plane has what is behind the eye: its 1 / w is negative there.
+#define D_DX(value) mix(vec3(0.0), dFdx(value), bvec3(abs(dFdx(gl_FragCoord.w)) < gl_FragCoord.w))
+#define D_DY(value) mix(vec3(0.0), dFdy(value), bvec3(abs(dFdy(gl_FragCoord.w)) < gl_FragCoord.w))
 #endif

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import WHITE, orthographic, plate, scene, seen_plane, sphere
+from shapes import WHITE, facing_floor, orthographic, plate, scene, seen_plane, sphere
 
 from viewer.bake.dfg import directional_albedo
 from viewer.scene.camera import Camera
@@ -154,3 +154,15 @@ def test_highlights_finer_than_a_pixel_keep_their_light(radiance, coat):
     blocks = fine.reshape(14, 16, 14, 16).mean(axis=(1, 3))
     assert coarse.sum() == pytest.approx(blocks.sum(), rel=0.15)  # by D at the points alone, 3 % and 13 % of it
     assert np.abs(coarse - blocks).max() < 0.6 * blocks.max()
+
+
+def test_highlights_reach_the_horizon(radiance):
+    """Where a floor ends, pixels above it only help with derivatives: those past its horizon have no place on it."""
+    floor = scene((plate(), facing_floor(20.0, 0.0)), materials=[Material(metallic=1.0, perceptual_roughness=0.25)],
+                  lights=(Light("directional", intensity=3.0, direction=(0, -0.12, 1)),))
+    camera = Camera.look_at((0, 0.15, 3), (0, 0, -2), fov_y=0.6)
+    coarse = radiance(floor, camera, (64, 64), antialias="msaa-4", background="none", shadows="off")
+    fine = radiance(floor, camera, (512, 512), background="none", shadows="off").reshape(64, 8, 64, 8, 4)
+    last = np.flatnonzero(coarse[..., 3].any(axis=1))[0]
+    shown, expected = coarse[last].sum(axis=0), fine[last].sum(axis=(0, 1, 2))
+    assert shown[1] / shown[3] == pytest.approx(expected[1] / expected[3], rel=0.2)  # of what is covered
