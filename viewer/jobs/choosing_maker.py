@@ -38,7 +38,6 @@ class ChoosingMaker(PictureMaker):
         renderer, tracer = self._renderer, self._tracer
         assert renderer is not None and tracer is not None
         renderer.times.clear()
-        renderer.pass_ms.clear()
         with postponed() as stop_request:
             following = request.following(scene, camera) if request.following is not None else None
             image, choice = self._chooser.make(scene, camera, request.settings, request.size, request.layers, report,

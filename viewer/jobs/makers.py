@@ -59,7 +59,6 @@ class RasterMaker(PictureMaker):
             self._renderer.expect(ahead)
         renderer = self._renderer
         renderer.times.clear()
-        renderer.pass_ms.clear()
         self.error = None
         is_linear = path.suffix.lower() in LINEAR_WRITABLE
         image = (renderer.render if is_linear else renderer.display)(scene, camera, settings, request.size)

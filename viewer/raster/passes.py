@@ -148,10 +148,14 @@ class Passes:
                        uniforms: dict[str, object], media: dict[str, object]) -> None:
         """Draw what is seen, each pass over what those before have left in `target`."""
         surfaces, drawing = self._prepared.surfaces, self._watch.drawing
+
+        def draw_background() -> None:
+            with drawing("background"):
+                self._draw_background(frame, target, plan, media)
+
         if plan.has_deferred:
             with drawing("deferred surfaces"):
-                target.behind = self._deferred.draw(frame, plan, target, uniforms, lambda: self._draw_background(
-                    frame, target, plan, media))
+                target.behind = self._deferred.draw(frame, plan, target, uniforms, draw_background)
             target.framebuffer.use()
         if plan.has_surfaces:
             with drawing("surfaces"):
@@ -164,8 +168,7 @@ class Passes:
                 self._draw_transmissive(SOLID, plan, frame, target, uniforms)
         if plan.background:
             if not plan.is_over_layers:
-                with drawing("background"):
-                    self._draw_background(frame, target, plan, media)
+                draw_background()
         elif plan.media is not None:
             with drawing("media behind which nothing stands"):
                 self._media.draw_sky(self._depth, media, target.half)

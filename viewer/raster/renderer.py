@@ -174,6 +174,7 @@ class Renderer:
         `keeps_photons` it has those that it had before, and `add_photons` brings more.
         """
         self.context.make_current()
+        self.pass_ms.clear()
         given, settings = scene, view_settings(settings)
         self._given = given
         scene = _shown(scene, settings)

@@ -28,12 +28,14 @@ class Stopwatch:
 
     @contextmanager
     def drawing(self, name: str) -> Iterator[None]:
-        """Time the pass `name`."""
+        """Time the pass `name`, or a part of it, without what other passes take meanwhile."""
         if not self._measures_passes:
             yield
             return
         self._gl.finish()
-        start = time.perf_counter()
+        start, before = time.perf_counter(), sum(self.pass_ms.values())
         yield
         self._gl.finish()
-        self.pass_ms[name] = (time.perf_counter() - start) * 1e3
+        others = sum(self.pass_ms.values()) - before
+        own = (time.perf_counter() - start) * 1e3 - others
+        self.pass_ms[name] = self.pass_ms.get(name, 0.0) + max(own, 0.0)
