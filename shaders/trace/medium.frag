@@ -62,9 +62,9 @@ void main() {
         pass_medium(p, way);
         m = volume_medium(int(flight.y));
 #if !PHOTONS
-        p.radiance += clamped(p.throughput * volume_emission(int(flight.y)), p.depth);
+        p.radiance += clamped(p.throughput * volume_emission(int(flight.y)) * collisions_each(p), p.depth);
 #endif
-        p.throughput *= m.albedo;
+        p.throughput *= albedo_left(m.albedo, p);
     }
 #endif
     // Shadow rays go through fog and solids as dense as they are, and paths after very many collisions do not.

@@ -86,16 +86,47 @@ def test_light_deep_in_a_slab(tracer, color, g):
     assert found.mean.mean() == pytest.approx(expected, abs=bound)
 
 
-def test_white_volumes_keep_all_light(tracer, monkeypatch):
-    """A cube of a white volume, 1000 mean free paths wide, in a furnace, seen from its middle."""
-    monkeypatch.setitem(defines._CONSTANTS, "THINS_FROM", 256)
-    monkeypatch.setitem(defines._CONSTANTS, "THINS_EVERY", 64)
-    cube = Volume.in_box(np.ones((8, 8, 8), np.float32), [[-0.5] * 3, [0.5] * 3])
-    model = replace(scene(*SPECKS, materials=[WHITE]), volumes=(cube,)).relit(environment=constant(), lights=())
-    camera = Camera.look_at((0.01, 0.01, 0.01), (0, 0, -1), fov_y=0.1)
-    pixels = picture(tracer, model, camera, (4, 4), spp=2, sampling="bsdf", volume_density=1000.0,
-                     volume_albedo=(1.0, 1.0, 1.0))
-    assert pixels[..., :3] == pytest.approx(1, abs=1e-6)
+@pytest.fixture
+def short_walks(monkeypatch):
+    """The mean free path grows early, so that tests are quick."""
+    for name, value in (("THINS_FROM", 256), ("THINS_EVERY", 64), ("HURRIES_FROM", 600), ("HURRIES_EVERY", 8),
+                        ("MOST_STEPS", 1000)):
+        monkeypatch.setitem(defines._CONSTANTS, name, value)
+
+
+def inside_of_volume(tracer, half_sizes, spp: int, **settings: object) -> np.ndarray:
+    """Seen from near the middle of a box of smoke in a furnace."""
+    box = Volume.in_box(np.ones((8, 8, 8), np.float32), [-np.array(half_sizes), half_sizes])
+    model = replace(scene(*SPECKS, materials=[WHITE]), volumes=(box,)).relit(environment=constant(), lights=())
+    camera = Camera.look_at((0.01, 0.01, 0.0), (0, 0, -1), fov_y=0.1)
+    return picture(tracer, model, camera, (4, 4), spp=spp, sampling="bsdf", **settings)[..., :3]
+
+
+@pytest.mark.parametrize("density", [1e3, 1e12])
+def test_white_volumes_keep_all_light(tracer, short_walks, density):
+    """Cubes of any optical depth."""
+    pixels = inside_of_volume(tracer, (0.5, 0.5, 0.5), 2, volume_density=density, volume_albedo=(1.0, 1.0, 1.0))
+    assert pixels == pytest.approx(1, abs=1e-6)
+
+
+def test_volumes_that_absorb_next_to_nothing_are_dark_inside(tracer, short_walks):
+    """A slab 100 mean free paths thick: 1 / cosh(kappa h) for light that decays as exp(-kappa x), and that is 1 at 0.71
+    mean free paths outside of the slab. In ten times as dense a slab no light gets so far."""
+    albedo = 0.9995
+    kappa = decay(albedo, spectrum(Medium(), 128))
+    expected, spp = 1 / np.cosh(kappa * (50 + 0.71)), 24
+    found = inside_of_volume(tracer, (4.0, 4.0, 0.5), spp, volume_density=100.0, volume_albedo=(albedo,) * 3).mean()
+    assert found == pytest.approx(expected, abs=4 * np.sqrt(expected * (1 - expected) / (16 * spp)))
+    assert inside_of_volume(tracer, (4.0, 4.0, 0.5), 2, volume_density=1e3, volume_albedo=(albedo,) * 3).max() < 1e-3
+
+
+def test_all_that_deep_volumes_emit_comes_together(tracer, short_walks):
+    """In the middle of a white slab that emits q per mean free path: 3/2 q h^2, from 0.71 mean free paths outside. Mean
+    free paths that grow so early reach farther outside. If each collision counted once, a tenth would come of it."""
+    expected, spp = 1.5 * (50 + 0.71) ** 2, 24
+    found = inside_of_volume(tracer, (4.0, 4.0, 0.5), spp, volume_density=100.0, volume_albedo=(1.0, 1.0, 1.0),
+                             volume_emission=(100.0, 100.0, 100.0)).mean()
+    assert found == pytest.approx(expected, rel=0.6)
 
 
 def test_only_deep_white_media_have_its_code():

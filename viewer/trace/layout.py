@@ -49,6 +49,8 @@ shaders/trace/state.glsl holds a few more."""
 
 THINS_FROM, THINS_EVERY = 2048, 384
 """After so many collisions the mean free path of a path grows, and doubles every so many (trace/endless.glsl)."""
+HURRIES_FROM, HURRIES_EVERY = 6656, 24
+"""After so many it doubles, besides, every so many: any path has left the scene before it has `MOST_STEPS`."""
 
 INSTANCE_TEXELS = 5
 """Texels of an instance in the scene buffer.
