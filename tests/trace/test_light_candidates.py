@@ -14,6 +14,7 @@ from viewer.gpu.context import Context
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions, texel_solid_angles
 from viewer.scene.material import Material
+from viewer.settings import Settings
 from viewer.trace.tracer import Tracer
 
 SIZE = (40, 40)
@@ -115,3 +116,13 @@ def test_two_serve_at_later_hits_of_a_room(tracer, context: Context):
         one = pictures(single, spp=64)
         single.release()
     assert noise(two) < 0.95 * noise(one)
+
+
+def test_they_follow_the_light_and_not_the_scene_before(tracer):
+    """A room that an environment lights, and then its lamp alone."""
+    lit = room().relit(environment=SKY, lights=())
+    for model, later in ((lit, 1), (lit.relit(environment=None, lights=()), 2)):
+        render = tracer.begin(model, VIEW, Settings(mode="path"), SIZE)
+        shading = [program for program in render.plan.programs.values() if "LATER_CANDIDATES" in dict(program.switches)]
+        assert shading and all(program["LATER_CANDIDATES"] == later for program in shading)
+        render.release()

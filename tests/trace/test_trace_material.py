@@ -259,7 +259,7 @@ def test_switches_say_what_is_there():
     def switches(material: Material, mesh=None) -> set[str]:
         one = scene(mesh or plate(), materials=(material,))
         found = geometry_switches(one, trace_geometry(one))
-        return {name for name, on in found.items() if on} - {"METALNESS", "FIRST_CANDIDATES", "LATER_CANDIDATES"}
+        return {name for name, on in found.items() if on} - {"METALNESS"}
 
     assert switches(Material()) == set()
     assert switches(Material(base_color_texture=texture("base"))) == {"HAS_TEXTURES", "HAS_COLOR_MAPS"}

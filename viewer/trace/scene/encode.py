@@ -8,6 +8,7 @@ import numpy as np
 
 from ...material.fold import without_constant_maps
 from ...material.use import feature_switches, metalness
+from ...scene.material import TRANSMISSION
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.schema import MAPS, PATH_TRACED, SWITCHED
@@ -27,7 +28,6 @@ from .clearance import clearance_texels, has_clearance
 from .deep_media import deep_media, deep_texels
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
-from .lights import MOST_BY_POWER
 from .materials import MapUse, TraceMaterial, map_texels, material_texels
 from .scene_buffer import SceneBufferBuilder
 
@@ -55,11 +55,8 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_UNLIT": any(m.material.unlit for m in materials),
         "HAS_VOLUME": len(geometry.media) > 1 or geometry.scatters,
     }
-    # Paths have a medium inside of such solids, too.
-    switches["HAS_TRANSMISSION"] |= geometry.scatters
-    switches["HAS_TRANSMISSION"] |= any(m.transmits_diffusely and not m.is_thin for m in materials)
+    switches[TRANSMISSION.switch] = transmits(geometry)
     return {name: int(value or everything) for name, value in switches.items()} | {
-        **_light_candidates(scene, geometry, bool(switches["HAS_TRANSMISSION"])),
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "HAS_PANES": int(geometry.has_panes),
         "HAS_NESTED": int(bool(geometry.indices)),
@@ -72,14 +69,11 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
 
 
-def _light_candidates(scene: Scene, geometry: TraceGeometry, has_transmission: bool) -> dict[str, int]:
-    """Of how many light samples one is chosen, at what the camera sees and at later hits. Two are worth their time
-    (benchmarks/results/trace_variance.md): under an environment at first, in rooms with emissive triangles, where later
-    hits bring more of the noise, everywhere. With glass most noise is of light that no light sample finds, and of many
-    triangles a sample costs more (light_tree.py)."""
-    is_room = scene.environment is None and 0 < geometry.emitters <= MOST_BY_POWER
-    return {"FIRST_CANDIDATES": 1 + (not has_transmission and (scene.environment is not None or is_room)),
-            "LATER_CANDIDATES": 1 + (not has_transmission and is_room)}
+def transmits(geometry: TraceGeometry) -> bool:
+    """Whether light gets into some solid or through some wall, so that paths may have a medium inside."""
+    return geometry.scatters or any(
+        feature_switches(m.material, "unlit" if m.material.unlit else "pbr")[TRANSMISSION.switch]
+        or (m.transmits_diffusely and not m.is_thin) for m in geometry.materials)
 
 
 def _metalness(materials: Sequence[TraceMaterial]) -> int:

@@ -20,6 +20,7 @@ from ...scene.scene import Scene
 from ...settings import Settings
 from .alias import alias_table
 from .emitters import find_emitters
+from .encode import transmits
 from .environment import EnvironmentTable
 from .geometry import TraceGeometry
 from .inside import solids_around
@@ -36,6 +37,17 @@ only one that reaches some point."""
 
 MOST_BY_POWER = 8
 """Point and spot lights and emissive triangles that are chosen by their power alone. The tree chooses among more."""
+
+
+def _candidates(scene: Scene, geometry: TraceGeometry) -> dict[str, int]:
+    """Of how many light samples one is chosen, at what the camera sees and at later hits. Two are worth their time
+    (benchmarks/results/trace_variance.md): under an environment at first, in rooms with emissive triangles, where later
+    hits bring more of the noise, everywhere. With glass most noise is of light that no light sample finds, and of many
+    triangles a sample costs more (light_tree.py)."""
+    has_glass = transmits(geometry)
+    is_room = scene.environment is None and 0 < geometry.emitters <= MOST_BY_POWER
+    return {"FIRST_CANDIDATES": 1 + (not has_glass and (scene.environment is not None or is_room)),
+            "LATER_CANDIDATES": 1 + (not has_glass and is_room)}
 
 
 class SceneLights:
@@ -124,6 +136,7 @@ class SceneLights:
             "HAS_LIGHT_TREE": int(has_tree),
             "HAS_AIRLIGHT": int(geometry.scatters and len(columns) > 0),
             "LIGHT_RADIUS": int(radius > 0 and not columns.is_far.all()),
+            **_candidates(scene, geometry),
         }
 
     def _add_tree(self, geometry: TraceGeometry, buffer: SceneBufferBuilder, lit: LightColumns, powers: np.ndarray,
