@@ -16,6 +16,9 @@ vec3 normal_root() {
 
 // Widens the lobe of the surface, alike in all directions.
 void widen_lobe(inout Surface s, inout Point p) {
+#if LIGHT_COUNT > 0
+    p.facet_alpha = s.alpha;
+#endif
 #if NORMAL_MAP && HAS_TANGENT && !GROOVED
     s.alpha = widened_alpha(s.alpha, normal_texel(), u_normal_scale);
     s.alpha_t = widened_alpha(s.alpha_t, normal_texel(), u_normal_scale);
@@ -33,6 +36,9 @@ void widen_lobe(inout Surface s, inout Point p) {
 // alpha of the clear coat, whose normal is n
 float coat_alpha(Surface s, vec3 n, inout Point p) {
     float alpha = s.coat_alpha;
+#if LIGHT_COUNT > 0
+    p.coat_facet_alpha = alpha;
+#endif
 #if CLEARCOAT_NORMAL_MAP && HAS_TANGENT
     alpha = widened_alpha(alpha, clearcoat_normal_texel(), u_clearcoat_normal_scale);
 #endif

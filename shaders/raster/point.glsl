@@ -38,6 +38,7 @@ struct Point {
 #endif
 #if LIGHT_COUNT > 0
     float alpha, coat_alpha; // of the lobes of lights, which are widened over the pixel by themselves
+    float facet_alpha, coat_facet_alpha; // the same without what a normal map's mip level adds: of each of its texels
 #endif
 };
 

@@ -39,9 +39,11 @@ void widen_for_lights(inout Surface s, inout SurfaceView view, inout Point p) {
     s.alpha = max(s.alpha, least);
     s.alpha_t = max(s.alpha_t, least);
     p.alpha = max(p.alpha, least);
+    p.facet_alpha = max(p.facet_alpha, least);
 #if CLEARCOAT
     view.coat.alpha = max(view.coat.alpha, least);
     p.coat_alpha = max(p.coat_alpha, least);
+    p.coat_facet_alpha = max(p.coat_facet_alpha, least);
 #endif
 }
 #endif

@@ -7,9 +7,10 @@ import pytest
 
 # Of alpha, and of slopes of h along one axis or both: without a spread, with the same one by both of the pixel's axes,
 # which is the third input, or with another by each.
-FLAT = "vec4(d_over_pixel(i.x, vec3(0, 0, 1), normalize(vec3(i.yz, 1)), vec3(0), vec3(0)))"
-ROUND = "vec4(d_over_pixel(i.x, vec3(0, 0, 1), normalize(vec3(i.y, 0, 1)), vec3(i.z, 0, 0), vec3(0, i.z, 0)))"
-LONG = "vec4(d_over_pixel(i.x, vec3(0, 0, 1), normalize(vec3(i.yz, 1)), vec3(0.5, 0.2, 0), vec3(0.1, 0, 0)))"
+FLAT = "vec4(d_over_pixel(i.x, i.x, vec3(0, 0, 1), normalize(vec3(i.yz, 1)), vec3(0), vec3(0)))"
+ROUND = "vec4(d_over_pixel(i.x, i.x, vec3(0, 0, 1), normalize(vec3(i.y, 0, 1)), vec3(i.z, 0, 0), vec3(0, i.z, 0)))"
+LONG = "vec4(d_over_pixel(i.x, i.x, vec3(0, 0, 1), normalize(vec3(i.yz, 1)), vec3(0.5, 0.2, 0), vec3(0.1, 0, 0)))"
+WITHIN = "vec4(d_over_pixel(i.z, i.x, vec3(0, 0, 1), normalize(vec3(i.y, 0, 1)), vec3(0), vec3(0)))"
 
 
 def test_without_a_spread_it_is_the_distribution(evaluate):
@@ -37,6 +38,15 @@ def test_it_is_near_the_mean_over_normals(evaluate, alpha, spread):
     ratio = found / mean
     assert ratio.min() > 0.4 and ratio.max() < 1.3  # GGX as wide as that is up to 800 times as bright
     assert ratio[[0, 1, 2, 3, 9]] == pytest.approx(np.ones(5), rel=0.25)
+
+
+@pytest.mark.parametrize("ndf", [0, 1])
+def test_normals_spread_within_a_texel_as_they_do_over_a_pixel(evaluate, ndf):
+    alpha, slope, spread = (m.ravel() for m in np.meshgrid([0.01, 0.1, 0.5], np.linspace(0, 2, 20), [0.1, 0.5, 1.0]))
+    over = evaluate("bsdf/pixel_lobe", ROUND, np.column_stack([alpha, slope, spread, slope]), defines={"NDF": ndf})
+    widened = np.sqrt(alpha**2 + spread**2 / np.pi)
+    within = evaluate("bsdf/pixel_lobe", WITHIN, np.column_stack([alpha, slope, widened, slope]), defines={"NDF": ndf})
+    assert np.allclose(within, over, rtol=2e-4, atol=1e-20)
 
 
 @pytest.mark.parametrize("ndf", [0, 1])
