@@ -2,9 +2,10 @@
 // B-splines: that map where it is magnified, or a blurred one
 #if BACKGROUND == 2
 #include "trace/equirect.glsl"
+#define EXACT_TEXELS 1
 #include "light/bspline.glsl"
 
-uniform usamplerBuffer u_background;
+uniform samplerBuffer u_background;
 uniform vec3 u_background_shape;
 #endif
 

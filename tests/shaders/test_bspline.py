@@ -8,19 +8,23 @@ from splines import bspline
 
 from viewer.gpu.smooth_map import SmoothMap, texel_pairs
 
-DECLARED = "uniform usamplerBuffer map; uniform vec3 map_shape;"
+DECLARED = "uniform MAP_BUFFER map; uniform vec3 map_shape;"
 
 
 @pytest.mark.parametrize("size", [(7, 5), (64, 32)])
-def test_it_is_the_cubic_b_spline_through_the_texels(egl, evaluate, size):
+@pytest.mark.parametrize("is_exact", [False, True])
+def test_it_is_the_cubic_b_spline_through_the_texels(egl, evaluate, size, is_exact):
     """Across the seam in u and over the border in v, too; 1e4 among small values leaves no rim below them."""
     random = np.random.default_rng(5)
-    texels = random.random((size[1], size[0], 3)).astype(np.float16)  # which the map holds as they are
+    texels = random.random((size[1], size[0], 3)).astype(np.float32)
+    if not is_exact:
+        texels = texels.astype(np.float16)  # which the map holds as they are
     texels[2, 3] = 1e4
     uv = random.random((500, 4))
     uv[:4, :2] = [(0.0, 0.0), (1.0, 1.0), (1e-3, 0.5), (0.999, 0.5)]
-    smooth = SmoothMap(egl, texels)
-    found = evaluate("light/bspline", "vec4(bspline(map, map_shape, i.xy), 0.0)", uv, DECLARED, map=smooth)[:, :3]
+    smooth = SmoothMap(egl, texels, is_exact)
+    found = evaluate("light/bspline", "vec4(bspline(map, map_shape, i.xy), 0.0)", uv, DECLARED,
+                     {"EXACT_TEXELS": int(is_exact)}, map=smooth)[:, :3]
     expected = bspline(texels.astype(np.float64), uv[:, :2].astype(np.float32).astype(np.float64))
     assert np.abs(found - expected).max() < 1e-5 * 1e4 and found.min() >= 0
     small = expected.max(axis=1) < 1

@@ -1,7 +1,8 @@
 """Maps that shaders look up by B-splines (shaders/light/bspline.glsl).
 
 A lookup takes 4 x 4 texels. Mesa's software rasteriser fetches an element of a buffer in a quarter of the time of a
-filtered lookup of a texture, so a map is a buffer of pairs of neighbours, and a lookup eight of its elements.
+filtered lookup of a texture, so a map is a buffer of pairs of neighbours, and a lookup eight of its elements. Paths,
+whose pictures are what others are compared with, have a buffer of texels as they are, and a lookup is sixteen of them.
 """
 
 from __future__ import annotations
@@ -21,34 +22,35 @@ _HALF = 0x1000  # of the last bit that is kept of a float32
 
 class SmoothMap:
     """(H, W, 3) float `pixels`, none below 0, which go on across the left and the right side; beyond the first and the
-    last row these are repeated. Their relative error is at most 2^-11, and what is less than 2^-62 of the largest is 0.
+    last row these are repeated. Their relative error is at most 2^-11, and what is less than 2^-62 of the largest is 0,
+    unless the map `is_exact`: it is for shaders with EXACT_TEXELS then.
     """
 
-    def __init__(self, context: Context, pixels: np.ndarray) -> None:
-        pairs, unit = texel_pairs(pixels)
+    def __init__(self, context: Context, pixels: np.ndarray, is_exact: bool = False) -> None:
+        texels, unit = (exact_texels(pixels), 1.0) if is_exact else texel_pairs(pixels)
         self._shape = pixels.shape[1], pixels.shape[0], unit
-        self._pairs = BufferTexture(context, pairs.reshape(-1, 4))
+        self._texels = BufferTexture(context, texels.reshape(-1, 4))
 
     def bind(self, program: moderngl.Program, name: str, unit: int) -> None:
         """Bind it to a texture unit, from which `program` reads it by this name."""
-        self._pairs.bind(program, name, unit)
+        self._texels.bind(program, name, unit)
         set_uniform(program, f"{name}_shape", self._shape)
 
     def use(self, unit: int) -> None:
         """Bind it to a texture unit."""
-        self._pairs.use(unit)
+        self._texels.use(unit)
 
     def release(self) -> None:
-        self._pairs.release()
+        self._texels.release()
 
 
 def can_be_smooth(context: Context, pixels: np.ndarray) -> bool:
-    """Whether a buffer can have the pairs of this map."""
+    """Whether a buffer can have the texels of this map."""
     return _fits(context, *pixels.shape[:2])
 
 
 def most_smooth_rows(context: Context) -> int:
-    """The most rows, a power of two, of a map twice as wide as high whose pairs a buffer can have."""
+    """The most rows, a power of two, of a map twice as wide as high whose texels a buffer can have."""
     rows = 1
     while _fits(context, 2 * rows, 4 * rows):
         rows *= 2
@@ -56,7 +58,14 @@ def most_smooth_rows(context: Context) -> int:
 
 
 def _fits(context: Context, height: int, width: int) -> bool:
-    return (height + 2 * _MARGIN) * (width + 2 * _MARGIN - 1) <= most_texels(context)
+    return (height + 2 * _MARGIN) * (width + 2 * _MARGIN) <= most_texels(context)
+
+
+def exact_texels(pixels: np.ndarray) -> np.ndarray:
+    """The texels of (H, W, 3) and _MARGIN beyond each side, (H + 4, W + 4, 4) float32."""
+    margin = _MARGIN, _MARGIN
+    rows = np.pad(np.asarray(pixels, np.float32), (margin, (0, 0), (0, 1)), mode="edge")
+    return np.pad(rows, ((0, 0), margin, (0, 0)), mode="wrap")
 
 
 def texel_pairs(pixels: np.ndarray) -> tuple[np.ndarray, float]:

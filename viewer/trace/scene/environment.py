@@ -105,7 +105,7 @@ class EnvironmentTable:
         self._blur, self.background_rows = degrees, self._map.height
         if degrees:
             pixels = blurred(self.environment.radiance, degrees, most_smooth_rows(self._context))
-            self._smooth, self.background_rows = SmoothMap(self._context, pixels), len(pixels)
+            self._smooth, self.background_rows = SmoothMap(self._context, pixels, is_exact=True), len(pixels)
 
     def is_background_smooth(self, pixel_angle: float) -> bool:
         """Whether camera rays see the background by B-splines, in a picture whose pixels have that angle."""
@@ -124,7 +124,7 @@ class EnvironmentTable:
             set_uniform(program, name, unit)
         if "u_background" in program:
             if self._smooth is None:
-                self._smooth = SmoothMap(self._context, self.environment.radiance)
+                self._smooth = SmoothMap(self._context, self.environment.radiance, is_exact=True)
             self._smooth.bind(program, "u_background", _UNIT_BACKGROUND)
         angle = self.environment.rotation
         set_uniform(program, "u_environment_cell", self._cell)
