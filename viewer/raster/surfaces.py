@@ -183,8 +183,9 @@ class Surfaces:
                 self.materials.set(program, draw, scene.radius)
             bound = wanted
             mesh = self.mesh(draw.mesh)
-            if draw.transmits == THIN_WALLED and material.double_sided:
-                inside = light_inside(draw, scene.meshes[draw.mesh], self.textures.mean)
+            if material.double_sided and "u_light_inside" in program:
+                is_wall = draw.transmits == THIN_WALLED  # others get here by programs that leave nothing out
+                inside = light_inside(draw, scene.meshes[draw.mesh], self.textures.mean) if is_wall else (1.0, 1.0, 1.0)
                 set_uniform(program, "u_light_inside", tuple(inside))
             for name, value in of_draw(draw, mesh).items() if of_draw is not None else ():
                 set_uniform(program, name, value)
