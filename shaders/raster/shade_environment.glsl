@@ -15,9 +15,6 @@
 #include "raster/traced_refraction.glsl"
 #endif
 #include "raster/arriving_light.glsl"
-#if HAS_TRANSMISSION && REFLECTS && !IS_SOLID && !MEDIA
-#include "raster/picture_behind.glsl"
-#endif
 #if SCATTERS_INSIDE
 #include "raster/light_all_around.glsl"
 #endif
@@ -113,13 +110,6 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     mat2x3 unoccluded = specular;
 #endif
     meet_other_surfaces(p.NoV, mean_alpha(s), occlusion, visible, specular, mean_light);
-#if HAS_TRANSMISSION && REFLECTS && !IS_SOLID && !MEDIA
-    vec4 behind = picture_behind(p.n, p.n_geometric, p.v, view.perceptual_roughness);
-#if DOUBLE_SIDED
-    if (!IS_FRONT) behind.rgb *= u_light_inside;
-#endif
-    for (int k = 0; k < 2; ++k) specular[k] = (1.0 - behind.a) * specular[k] + behind.rgb;
-#endif
 #if TRACED_REFLECTION
     // rgb: radiance, a: fraction of rays that hit
     vec4 hit = traced_reflection(v_position, p.n_geometric, shading_normal(p.n_geometric));

@@ -3,9 +3,6 @@
 // IS_SOLID: light is refracted at the front of a solid; else the surface is thin-walled, and light goes straight on.
 #include "raster/material.glsl"
 #include "raster/backdrop.glsl"
-#if IS_SOLID
-#include "raster/curvature.glsl"
-#endif
 #if TRACED_REFRACTION
 #include "raster/traced_refraction.glsl"
 #endif
@@ -28,6 +25,12 @@ float transmitted_roughness(float perceptual_roughness, float ior) {
 }
 
 #if IS_SOLID
+// Mean curvature of the surface, 1 / r on a sphere, from the differences of normals n and positions p between pixels
+float curvature(vec3 n, vec3 p) {
+    vec3 nx = dFdx(n), ny = dFdy(n), px = dFdx(p), py = dFdy(p);
+    return (dot(nx, px) + dot(ny, py)) / max(dot(px, px) + dot(py, py), 1e-18);
+}
+
 // The direction of a view ray after it has left the solid, having travelled `thickness` along d inside. The far side is
 // unknown, and is guessed from the front. Behind a flat front it is a parallel plane, behind a hollow one a concentric
 // surface. Behind a round front it turns from that plane to the other half of a sphere, as the thickness grows to the

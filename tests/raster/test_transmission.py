@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, lopsided, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
@@ -78,30 +78,6 @@ def test_both_walls_of_a_hollow_ball_tint_what_is_behind(renderer, double_sided,
     model = scene((plate(0), moved((0, 0, -2))), (sphere(1), np.eye(4)), materials=[RED, wall])
     kept = ((1 - 2 * R / (1 + R)) * np.array(wall.base_color[:3])) ** walls
     assert middle(renderer, model)[:3] == pytest.approx(kept * RED.emissive, rel=0.01)
-
-
-def test_rims_mirror_what_stands_behind(renderer):
-    """A black wall, and where there is none the environment: the rim of a hollow ball reflects most of it."""
-    black = replace(WHITE, base_color=(0, 0, 0, 1))
-    model = scene((plate(0, half=4.0), moved((0, 0, -1.5))), (sphere(1), np.eye(4)),
-                  materials=[black, GLASS], environment=constant())
-    off = (np.arange(96) + 0.5) / 24 - 2
-    cosine = np.sqrt(np.maximum(1 - off**2 - off[:, None]**2, 0))
-    rim = (cosine > 0.12) & (cosine < 0.25)
-    camera, settings = orthographic(height=4.0), Settings.of(background="none", antialias="none")
-    behind, alone = (renderer.render(shown, camera, settings, (96, 96)).linear[rim][:, 0].mean()
-                     for shown in (model, replace(model, instances=model.instances[1:])))
-    assert behind < 0.2 and alone > 0.95
-
-
-def test_a_flat_wall_mirrors_the_environment_where_it_is_seen_along_itself(renderer):
-    """Not the black floor below it, which the picture has behind it."""
-    floor, pane = (plate(k, half=half) for k, half in enumerate((4.0, 1.0)))
-    model = scene((floor, facing_floor(y=-0.1)), (pane, facing_floor()),
-                  materials=[replace(WHITE, base_color=(0, 0, 0, 1)), GLASS], environment=constant())
-    found = middle(renderer, model, orthographic(elevation=np.radians(10), height=2.0), background="none")
-    f0 = 2 * R / (1 + R)
-    assert found[0] == pytest.approx(f0 + (1 - f0) * (1 - np.sin(np.radians(10)))**5, rel=0.01)
 
 
 def test_a_solid_is_seen_through_another(renderer):

@@ -199,7 +199,6 @@ class Passes:
         surfaces = self._prepared.surfaces
         draws = surfaces.transmissive(kind, frame, plan)
         is_traced = kind == SOLID and plan.has_traced_refraction
-        uniforms["u_alpha_tells"] = float(not plan.background)  # the background is opaque
         for layer in [[Wall(draw) for draw in draws]] if is_traced else layers_of(draws, frame):
             uniforms |= self._take_backdrop(target)
             if is_traced:
