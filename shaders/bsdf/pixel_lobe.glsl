@@ -11,16 +11,22 @@
 // The mean of GGX is near this close to its peak. Far from it it is GGX itself, facet_alpha^2 / (pi tan^4), and not GGX
 // as wide as A, sqrt(det A) / (pi tan^4), by which a lamp with a tiny highlight would light all of the surface around.
 // A share facet_alpha^2 / sqrt(det A) of that wider GGX has this tail. Where nothing is added, the mixture is GGX.
-// On return `alpha` is that of an isotropic lobe as wide as A, for the masking.
-float d_over_pixel(inout float alpha, float facet_alpha, vec3 n, vec3 h, vec3 x, vec3 y) {
-    float a2 = alpha * alpha, NoH = max(dot(n, h), 1e-4);
-    vec3 t = h / NoH - n, xxy = cross(x, y), xxt = cross(x, t), yxt = cross(y, t);
-    float det = a2 * (a2 + INV_PI * (dot(x, x) + dot(y, y))) + INV_PI * INV_PI * dot(xxy, xxy), width = sqrt(det);
-    float d = exp(-(a2 * dot(t, t) + INV_PI * (dot(xxt, xxt) + dot(yxt, yxt))) / det) / width;
+//
+// alpha = (alpha_t, alpha_b), alpha_t the larger one: a lobe that is stretched along the tangent is an isotropic one of
+// alpha_b, convolved with a third spread, along the tangent. On return alpha is as much wider as A is, for the masking.
+// facet_alpha is the geometric mean of both.
+float d_over_pixel(inout vec2 alpha, float facet_alpha, vec3 tangent, vec3 n, vec3 h, vec3 x, vec3 y) {
+    float a2 = alpha.y * alpha.y, area = alpha.x * alpha.y, NoH = max(dot(n, h), 1e-4);
+    vec3 t = h / NoH - n, z = tangent * sqrt(max(alpha.x * alpha.x - a2, 0.0) / INV_PI);
+    vec3 xxy = cross(x, y), xxz = cross(x, z), yxz = cross(y, z), xxt = cross(x, t), yxt = cross(y, t), zxt = cross(z, t);
+    float det = a2 * (a2 + INV_PI * (dot(x, x) + dot(y, y) + dot(z, z)))
+        + INV_PI * INV_PI * (dot(xxy, xxy) + dot(xxz, xxz) + dot(yxz, yxz));
+    float width = sqrt(det), unspread = a2 * dot(t, t) + INV_PI * dot(zxt, zxt);
+    float d = exp(-(unspread + INV_PI * (dot(xxt, xxt) + dot(yxt, yxt))) / det) / width;
 #if NDF == 0
-    float tail = width + dot(t, t);
+    float tail = width + unspread / area;
     d = mix(d, width / (tail * tail), facet_alpha * facet_alpha / width);
 #endif
-    alpha = min(sqrt(width), 1.0);
+    alpha = min(alpha * sqrt(width / area), 1.0);
     return d * INV_PI / (NoH * NoH * NoH * NoH);
 }

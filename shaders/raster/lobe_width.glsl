@@ -17,14 +17,14 @@ vec3 normal_root() {
 // Widens the lobe of the surface, alike in all directions.
 void widen_lobe(inout Surface s, inout Point p) {
 #if LIGHT_COUNT > 0
-    p.facet_alpha = s.alpha;
+    p.facet_alpha = mean_alpha(s);
 #endif
 #if NORMAL_MAP && HAS_TANGENT && !GROOVED
     s.alpha = widened_alpha(s.alpha, normal_texel(), u_normal_scale);
     s.alpha_t = widened_alpha(s.alpha_t, normal_texel(), u_normal_scale);
 #endif
 #if LIGHT_COUNT > 0
-    p.alpha = s.alpha;
+    p.alphas = both_alphas(s);
 #endif
 #if SPECULAR_AA
     s.alpha = alpha_antialiased(s.alpha, D_DX(p.n), D_DY(p.n));
@@ -56,6 +56,10 @@ float coat_alpha(Surface s, vec3 n, inout Point p) {
 // Stretches the lobe as a map full of grooves does. Texels do not hide each other as facets do: what they reflect
 // together is what each of them would, `albedo` (a, b of the split sum) before the lobe is stretched.
 void stretch_over_grooves(inout Surface s, inout SurfaceView view, inout Point p, vec2 albedo) {
+#if LIGHT_COUNT > 0
+    mat3 frame = p.frame;
+    stretch_lobe(p.alphas, frame, normal_texel().xyz, normal_root(), u_normal_scale, map_axes());
+#endif
     vec2 alphas = both_alphas(s);
     stretch_lobe(alphas, p.frame, normal_texel().xyz, normal_root(), u_normal_scale, map_axes());
     s.alpha_t = alphas.x;

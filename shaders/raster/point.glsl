@@ -37,7 +37,8 @@ struct Point {
     float unhidden; // what the lobe would reflect without masking, as a multiple of what it does
 #endif
 #if LIGHT_COUNT > 0
-    float alpha, coat_alpha; // of the lobes of lights, which are widened over the pixel by themselves
+    vec2 alphas; // of the lobes of lights, which are widened over the pixel by themselves
+    float coat_alpha;
     float facet_alpha, coat_facet_alpha; // the same without what a normal map's mip level adds: of each of its texels
 #endif
 };

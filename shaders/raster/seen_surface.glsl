@@ -38,7 +38,7 @@ void widen_for_lights(inout Surface s, inout SurfaceView view, inout Point p) {
     const float least = MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS;
     s.alpha = max(s.alpha, least);
     s.alpha_t = max(s.alpha_t, least);
-    p.alpha = max(p.alpha, least);
+    p.alphas = max(p.alphas, least);
     p.facet_alpha = max(p.facet_alpha, least);
 #if CLEARCOAT
     view.coat.alpha = max(view.coat.alpha, least);

@@ -127,10 +127,16 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 nxh = cross(p.n, h);
     Angles a = Angles(p.NoV, NoL, clamp(dot(p.n, h), 0.0, 1.0), clamp(dot(p.v, h), 0.0, 1.0), dot(nxh, nxh));
 #endif
-    float d; // at the point for a stretched lobe, one of Blinn-Phong's, and a sun where there is no normal map
-    if (ANISOTROPIC == 0 && NDF < 2 && (NORMAL_MAP == 1 || radius2 == 0.0)) {
-        s.alpha = p.alpha;
-        d = d_over_pixel(s.alpha, p.facet_alpha, p.n, h, slopes_x, slopes_y);
+#if ANISOTROPIC
+    vec3 tangent = p.frame[0];
+#else
+    const vec3 tangent = vec3(0.0);
+#endif
+    float d; // at the point for Blinn-Phong's lobe, and for a sun where normals are alike within a texel
+    if (NDF < 2 && (radius2 == 0.0 || p.facet_alpha * p.facet_alpha < 0.999 * p.alphas.x * p.alphas.y)) {
+        d = d_over_pixel(p.alphas, p.facet_alpha, tangent, p.n, h, slopes_x, slopes_y);
+        s.alpha_t = p.alphas.x;
+        s.alpha = p.alphas.y;
     } else {
         d = facet_d(s, a);
     }
@@ -155,9 +161,10 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
         vec3 c_x_h = cross(c.n, h);
         float c_o_h = clamp(dot(c.n, h), 0.0, 1.0);
         float coat_d;
-        if (NDF < 2 && (CLEARCOAT_NORMAL_MAP == 1 || radius2 == 0.0)) {
-            c.alpha = p.coat_alpha;
-            coat_d = d_over_pixel(c.alpha, p.coat_facet_alpha, c.n, h, coat_x, coat_y);
+        if (NDF < 2 && (radius2 == 0.0 || p.coat_facet_alpha < 0.999 * p.coat_alpha)) {
+            vec2 alphas = vec2(p.coat_alpha);
+            coat_d = d_over_pixel(alphas, p.coat_facet_alpha, vec3(0.0), c.n, h, coat_x, coat_y);
+            c.alpha = alphas.y;
         } else {
             coat_d = d_microfacet(c_o_h, dot(c_x_h, c_x_h), c.alpha);
         }
