@@ -52,7 +52,9 @@ _D = "float k = alpha / (s2 + alpha * alpha * NoH * NoH);\n    return k * k * IN
 _V = "return 0.5 / (NoL * t_v + NoV * t_l);"
 _V_LOCAL = "return 0.5 / (smith_t(wo, alpha) * wi.z + smith_t(wi, alpha) * wo.z);"
 WRONG_FORMULAS = [
-    WrongFormula("pi missing in D", "bsdf/ggx.glsl", _D, _D.replace(" * INV_PI", ""), furnace_of_lights),
+    WrongFormula("pi missing in D", "bsdf/ggx.glsl", _D, _D.replace(" * INV_PI", ""), values("d_ggx")),
+    WrongFormula("pi missing in the mean of D over a pixel", "bsdf/pixel_lobe.glsl", "return d * INV_PI / (",
+                 "return d / (", furnace_of_lights),
     WrongFormula("pi missing in the lobes' D", "bsdf/ggx_local.glsl", "return INV_PI / (", "return 1.0 / (",
                  energy("ggx")),
     WrongFormula("alpha for alpha squared", "bsdf/ggx.glsl", _D, _D.replace("alpha * alpha * NoH", "alpha * NoH"),
