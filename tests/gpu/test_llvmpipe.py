@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterator
+from pathlib import Path
 
+import moderngl
 import pytest
 from contexts import open_or_skip
-from needs import skip
+from needs import needs, skip
 
 from viewer.gpu.context import Context
 from viewer.gpu.llvmpipe import MOST_HELD, LlvmpipeContext, free_looked_up
@@ -61,3 +63,29 @@ def test_passes_that_free_what_others_have_looked_up_leave_nothing(context: Cont
     assert context.gl.fbo is context.gl.screen
     assert [name for name in range(1, 20) if is_texture(name)] == [texture.glo]
     assert context.gl.error == "GL_NO_ERROR"
+
+
+@needs("linux")  # its limits and /proc
+@pytest.mark.parametrize("attach", [
+    lambda gl, size: gl.framebuffer(depth_attachment=gl.depth_texture(size)),  # as shadow maps do
+    lambda gl, size: gl.framebuffer([gl.renderbuffer(size, 4)])])
+def test_a_framebuffer_without_memory_is_a_memory_error(context: Context, attach) -> None:
+    """256 MB where 64 MB are left"""
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (taken + (64 << 20), hard))
+    try:
+        with pytest.raises(MemoryError, match="^out of memory$"):
+            attach(context.gl, (8192, 8192))
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+    attach(context.gl, (8, 8)).use()
+
+
+def test_a_wrong_framebuffer_is_no_memory_error(context: Context) -> None:
+    sizes = [context.gl.texture((side, side), 4) for side in (8, 16)]
+    with pytest.raises(moderngl.Error) as raised:
+        context.gl.framebuffer(sizes)
+    assert not isinstance(raised.value, MemoryError)

@@ -31,8 +31,14 @@ MOST_HELD = 1024
 """
 
 
+class OutOfMemory(moderngl.Error, MemoryError):
+    """There was no memory for a framebuffer. Who knows what was too large catches moderngl.Error, and says it; for all
+    others it is as any lack of memory."""
+
+
 class LlvmpipeContext(moderngl.Context):
-    """A context that keeps the fence of each pass. A pass ends where a framebuffer is used or cleared."""
+    """A context that keeps the fence of each pass, and says where memory lacks. A pass ends where a framebuffer is used
+    or cleared."""
 
     passes: Passes
     _used: moderngl.Framebuffer | None
@@ -49,7 +55,14 @@ class LlvmpipeContext(moderngl.Context):
         self._used = framebuffer
 
     def framebuffer(self, *arguments: Any, **keywords: Any) -> moderngl.Framebuffer:
-        made = super().framebuffer(*arguments, **keywords)
+        """Raises OutOfMemory where an attachment got no memory. moderngl finds that out no sooner, and llvmpipe draws
+        into all formats that are used here, so a framebuffer is incomplete for no other reason."""
+        try:
+            made = super().framebuffer(*arguments, **keywords)
+        except moderngl.Error as error:
+            if "not complete" in str(error):
+                raise OutOfMemory("out of memory") from error
+            raise
         made.__class__ = _Framebuffer
         return made
 
