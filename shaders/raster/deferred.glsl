@@ -59,7 +59,7 @@ void find_surface() {
     vec3 inside = max(vec3(1.0 - b.x - b.y, b), -1.0);
     b = inside.yz / (inside.x + inside.y + inside.z);
 
-    deferred_face = cross(edge[0], edge[1]);
+    deferred_face = u_handedness * cross(edge[0], edge[1]);
     mat2x3 position_slope = edge * slope;
     deferred_footprint = length(position_slope[0]) + length(position_slope[1]);
     v_position = is_mine ? p0 + edge * b : vec3(0.0);

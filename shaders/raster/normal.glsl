@@ -13,8 +13,24 @@ vec3 mesh_tangent() {
 #include "sample/orthonormal_basis.glsl"
 #endif
 
+// Perpendicular to the triangle, on its front
+vec3 across_triangle() {
+#if DEFERRED
+    return deferred_face;
+#else
+    vec3 towards_eye = cross(dFdx(v_position), dFdy(v_position));
+    return gl_FrontFacing ? towards_eye : -towards_eye;
+#endif
+}
+
+// The normal of the vertices, on the front; that of the triangle where they have none, or theirs cancel
+vec3 front_normal() {
+    vec3 across = across_triangle();
+    return normalize(dot(v_normal, v_normal) > 1e-36 ? v_normal : across);
+}
+
 vec3 geometric_normal() {
-    vec3 n = normalize(v_normal);
+    vec3 n = front_normal();
 #if DOUBLE_SIDED
     if (!IS_FRONT) n = -n;
 #endif
@@ -28,11 +44,7 @@ vec3 geometric_normal() {
 // materials share a program, n is as without one.
 vec3 bent_over_triangle(vec3 n, vec3 n_geometric, vec3 v) {
     if (distance(n, n_geometric) < 1e-5) return n;
-#if DEFERRED
-    vec3 face = deferred_face;
-#else
-    vec3 face = cross(dFdx(v_position), dFdy(v_position));
-#endif
+    vec3 face = across_triangle();
     face *= sign(dot(face, v)) / max(length(face), 1e-30);
     return bend_normal(n, face == vec3(0.0) ? n_geometric : face, v);
 }
@@ -40,7 +52,7 @@ vec3 bent_over_triangle(vec3 n, vec3 n_geometric, vec3 v) {
 // Tangent space as in MikkTSpace: bitangent = w cross(n, t), without orthogonalisation of the interpolated vectors.
 mat3 map_axes() {
     vec3 t = mesh_tangent();
-    vec3 front = normalize(v_normal);
+    vec3 front = front_normal();
     return mat3(t, cross(front, t) * v_tangent.w, front);
 }
 
@@ -80,7 +92,7 @@ vec3 coat_normal(vec3 n) {
 // The frame of an anisotropic lobe: the tangent along which highlights are stretched, the bitangent, and n
 mat3 anisotropy_frame(MaterialInputs m, vec3 n) {
     vec3 t = mesh_tangent();
-    vec3 b = cross(normalize(v_normal), t) * v_tangent.w;
+    vec3 b = cross(front_normal(), t) * v_tangent.w;
     vec2 d = anisotropy_direction(m);
     vec3 x = tangent_beside(n, d.x * t + d.y * b);
     return mat3(x, cross(n, x), n);

@@ -11,7 +11,7 @@
 #define D_DY(value) mix(vec3(0.0), dFdy(value), bvec3(deferred_alike.y))
 bool deferred_front;
 float deferred_footprint; // length of a pixel on the surface, along x and along y together
-vec3 deferred_face; // perpendicular to the triangle
+vec3 deferred_face; // perpendicular to the triangle, on its front
 bvec2 deferred_alike; // whether the neighbour along x, along y of the quad shows the same surface
 #else
 #define VARYING in

@@ -115,7 +115,7 @@ MUTATIONS = [
     Mutation("anisotropy's strength not squared", "bsdf/anisotropy.glsl",
              "m.anisotropy_strength * m.anisotropy_strength", "m.anisotropy_strength"),
     Mutation("mirrored bitangent for anisotropy", "raster/normal.glsl",
-             "vec3 b = cross(normalize(v_normal), t) * v_tangent.w;", "vec3 b = cross(normalize(v_normal), t);"),
+             "vec3 b = cross(front_normal(), t) * v_tangent.w;", "vec3 b = cross(front_normal(), t);"),
     Mutation("the stretched lobe is one narrow lobe", "raster/stretched_light.glsl",
              "float a = sqrt(max(alpha.x * alpha.x - alpha_narrow * alpha_narrow, 0.0));", "float a = 0.0;"),
     Mutation("diffuse not scaled by 1 - max(f0)", "bsdf/specular_glossiness.glsl", "m.base_color.rgb *= 1.0 - max",
