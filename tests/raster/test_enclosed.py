@@ -72,3 +72,22 @@ def test_the_far_wall_of_a_hollow_ball_has_the_light_inside(renderer):
     half = COLOR / 2
     far = half * half / (1 - half) + half
     assert picture[15:17, 15:17, :3].mean(axis=(0, 1)) == pytest.approx(half + half * far, abs=5e-3)
+
+
+def test_it_is_worked_out_once_for_a_mesh_and_anew_for_its_next_pose(renderer, monkeypatch):
+    worked_out = []
+
+    def counted(draw, mesh, mean):
+        worked_out.append(mesh)
+        return light_inside(draw, mesh, mean)
+
+    monkeypatch.setattr("viewer.raster.material_uniforms.light_inside", counted)
+    wall = replace(CLEAR, transmission=0.5, specular=0.0, base_color=(*COLOR, 1))
+    closed = sphere(segments=24)
+    opened = replace(closed, positions=closed.positions * np.where(closed.positions[:, 1:2] > 0, [1, 0, 1], 1))
+    model = scene((closed, moved((0, 0, 0))), materials=[wall], environment=constant())
+    settings = Settings.of(antialias="none")
+    pictures = [renderer.render(shown, orthographic(), settings, (32, 32)).linear
+                for shown in (model, model, replace(model, meshes=(opened,)))]
+    assert worked_out == [closed, opened]
+    assert np.array_equal(pictures[0], pictures[1]) and not np.array_equal(pictures[1], pictures[2])

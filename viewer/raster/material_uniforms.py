@@ -10,26 +10,30 @@ import numpy as np
 from ..gpu.programs import set_uniform
 from ..material.pack import uniforms
 from ..material.weave import WeaveBinding
-from ..plan.model import Draw
+from ..plan.model import THIN_WALLED, Draw
 from ..scene.mask_levels import mask_map
 from ..scene.material import VOLUME, Material, UVTransform
+from ..scene.mesh import Mesh
 from ..scene.schema import MAPS, Value
+from .enclosed import light_inside
 from .subsurface_uniforms import interior_uniforms
 from .textures import Textures
 from .units import UNIT_NORMAL_ROOT, UNIT_WEAVE
 
 
 class MaterialUniforms:
-    """Sets them. The uniforms of materials are kept as long as the plan does not change."""
+    """Sets them. What is worked out for them is kept as long as the plan does not change."""
 
     def __init__(self, gl: moderngl.Context, textures: Textures) -> None:
         self._textures = textures
         self._weave = WeaveBinding(gl)
         self._uniforms: dict[int, tuple[Material, list[tuple[str, Value]]]] = {}
+        self._light_inside: dict[tuple[object, ...], tuple[Material, Mesh, tuple[float, ...]]] = {}
 
     def clear(self) -> None:
         """Forget the uniforms of materials, for another plan."""
         self._uniforms.clear()
+        self._light_inside.clear()
 
     def set(self, program: moderngl.Program, draw: Draw, radius: float) -> None:
         """Set all of the draw's material. `radius` is that of the scene."""
@@ -53,6 +57,16 @@ class MaterialUniforms:
         self._set_parameters(program, draw.surface)
         for name in names:
             self._bind_map(program, draw, name)
+
+    def set_light_inside(self, program: moderngl.Program, draw: Draw, mesh: Mesh) -> None:
+        """Set what arrives at the inner sides of the draw, if it is a thin wall. `mesh` is its mesh."""
+        key = draw.mesh, id(draw.surface), draw.maps, draw.transmits
+        cached = self._light_inside.get(key)
+        if cached is None or cached[0] is not draw.surface or cached[1] is not mesh:
+            is_wall = draw.transmits == THIN_WALLED  # others get here by programs that leave nothing out
+            inside = tuple(light_inside(draw, mesh, self._textures.mean)) if is_wall else (1.0, 1.0, 1.0)
+            cached = self._light_inside[key] = draw.surface, mesh, inside
+        set_uniform(program, "u_light_inside", cached[2])
 
     def _set_parameters(self, program: moderngl.Program, material: Material) -> None:
         cached = self._uniforms.get(id(material))

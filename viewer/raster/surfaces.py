@@ -9,7 +9,7 @@ import moderngl
 
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
-from ..plan.model import THIN_WALLED, Draw, Plan
+from ..plan.model import Draw, Plan
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
 from ..scene.material import VOLUME
@@ -17,7 +17,6 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.transform import handedness, normal_matrix
 from .baked_attributes import BakedAttributes
-from .enclosed import light_inside
 from .geometry import MeshBuffers
 from .material_uniforms import MaterialUniforms
 from .surface_programs import TRIANGLES, gathering_program, gbuffer_program, path_program, vertex_of
@@ -184,9 +183,7 @@ class Surfaces:
             bound = wanted
             mesh = self.mesh(draw.mesh)
             if material.double_sided and "u_light_inside" in program:
-                is_wall = draw.transmits == THIN_WALLED  # others get here by programs that leave nothing out
-                inside = light_inside(draw, scene.meshes[draw.mesh], self.textures.mean) if is_wall else (1.0, 1.0, 1.0)
-                set_uniform(program, "u_light_inside", tuple(inside))
+                self.materials.set_light_inside(program, draw, scene.meshes[draw.mesh])
             for name, value in of_draw(draw, mesh).items() if of_draw is not None else ():
                 set_uniform(program, name, value)
             gl.cull_face = "front" if side == "back" else "back"
