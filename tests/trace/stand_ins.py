@@ -13,6 +13,7 @@ from viewer.gpu.ray_textures import WholeTextures
 from viewer.trace.kinds import SURFACE, Kind
 from viewer.trace.rays.intersect import Intersector
 from viewer.trace.scene.curves import TraceCurves
+from viewer.trace.scene.geometry import TraceGeometry
 
 
 @dataclass
@@ -42,6 +43,8 @@ class Geometry:
     def __post_init__(self) -> None:
         if not self.instances:
             self.instances = [Instance(index, np.eye(3, 4)) for index in range(len(self.meshes))]
+
+    has_triangles_of = TraceGeometry.has_triangles_of
 
 
 def mesh(positions: object, triangles: object) -> Mesh:

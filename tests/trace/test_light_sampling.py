@@ -135,12 +135,13 @@ def test_directional_and_spot(context, tmp_path):
 
 def test_no_lights(context, tmp_path):
     """Without lights, or if none reaches the scene, their code is left out and a line says so."""
+    counts = {"FIRST_CANDIDATES", "LATER_CANDIDATES"}  # of light samples, which are not 0 without lights
     lit = Lit(context, tmp_path, scene_of(FLOOR))
-    assert not any(lit.lights.switches.values()) and not lit.lights.left_out
+    assert {name for name, value in lit.lights.switches.items() if value} == counts and not lit.lights.left_out
     far = Light("point", position=(100, 0, 0), range=10)
     black = Environment("black", np.zeros((4, 8, 3), np.float32))
     lit = Lit(context, tmp_path, scene_of(FLOOR, lights=(far, Light("directional", intensity=0)), environment=black))
-    assert not any(lit.lights.switches.values()) and len(lit.lights.left_out) == 2
+    assert {name for name, value in lit.lights.switches.items() if value} == counts and len(lit.lights.left_out) == 2
     assert (lit.samples((0, 0, 0), 10)["pdf"] == 0).all()
     off = Environment("off", np.ones((4, 8, 3), np.float32), intensity=0.0)
     assert not Lit(context, tmp_path, scene_of(FLOOR, environment=off)).lights.switches["HAS_ENVIRONMENT"]
