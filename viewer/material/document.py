@@ -7,10 +7,11 @@ from ..scene.schema import FEATURES, MAPS, PARAMETERS, Parameter
 
 _HEAD = """# Materials
 
-Every parameter and every texture map of a material, as `viewer.Material` has them. The page is written from the
-declaration in `viewer/scene/material.py` by `python -m viewer.material`.
+This page lists every parameter and every texture map of a material. The first column is the name in `viewer.Material`,
+and the second the name in glTF. The page is generated from `viewer/scene/material.py` by `python -m viewer.material`.
 
-A map multiplies the parameters that name it. Colours of maps marked sRGB are decoded; everything else is linear.
+A parameter is multiplied by the value of the map in the column "times map"; `base_color.RGBA` means all four channels
+of `base_color_texture`. Maps marked sRGB are decoded to linear values. All other maps hold linear values.
 
 ## Parameters
 
@@ -26,7 +27,7 @@ _MAPS = """
 _FEATURES = """
 ## Features
 
-A shader has the code of a feature only where a material in the scene needs it.
+The code of a feature is compiled into a shader only if a material in the scene needs it.
 
 | feature | glTF extension | switch in shaders |
 |---|---|---|
