@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..material.fold import without_constant_maps
 from ..scene.light import KINDS, Light
-from ..scene.material import ANISOTROPY, TRANSMISSION, VOLUME
+from ..scene.material import ANISOTROPY
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
@@ -16,7 +17,7 @@ from .media import MAX_VOLUMES
 from .model import LAYERS_LEFT_OUT, Draw, Plan
 from .samplers import MAX_SAMPLERS
 from .shadow_layers import MAX_SHADOW_LAYERS
-from .used import LAYERS, counted, has_layer
+from .used import counted
 
 _TILE_MB = 2048 * 2048 * 4 / 1e6
 ATTRIBUTE_BYTES = {"a_normal": 12, "a_tangent": 16, "a_color": 16, "a_uv0": 8, "a_uv1": 8}
@@ -71,8 +72,7 @@ def left_out_lines(plan: Plan, scene: Scene, settings: Settings, lights: Sequenc
         if surfaces:
             lines.append(f"{what} of {counted(surfaces, 'surface')}: with their maps a program would sample more than "
                          f"{MAX_SAMPLERS} textures")
-    lines += omitted_anisotropy(scene, settings) + _ignored_by_phong(scene, settings)
-    lines += _omitted_layers(plan, settings)
+    lines += omitted_features(scene, settings)
     scattering = sum(material.medium.scatters for material in scene.materials)
     if scattering and not plan.has_subsurface:
         lines.append(f"scattering in the volumes of {counted(scattering, 'material')}: "
@@ -124,7 +124,21 @@ def _reason(settings: Settings, is_wanted: bool) -> str:
     return f"lobes={settings.lobes} is without it" if is_wanted and settings.lobes != "all" else "not requested"
 
 
-def omitted_anisotropy(scene: Scene, settings: Settings) -> list[str]:
+def omitted_features(scene: Scene, settings: Settings) -> list[str]:
+    """Lines for the features of materials that no surface has, and for those that cannot be shown."""
+    materials = [without_constant_maps(scene.materials[k])
+                 for k in {scene.meshes[instance.mesh].material for instance in scene.instances}]
+    lines = _omitted_anisotropy(scene, settings)
+    for feature in SWITCHED:
+        having = [material for material in materials if feature.is_on(material)]
+        if not having:
+            lines.append(f"{feature.title}: no surface has it")
+        elif settings.mode == "phong" and "phong" not in feature.models and not all(m.unlit for m in having):
+            lines.append(f"{feature.title}: mode phong does not show it")
+    return lines
+
+
+def _omitted_anisotropy(scene: Scene, settings: Settings) -> list[str]:
     """Lines that say why surfaces with an anisotropic material are shown without anisotropy."""
     if settings.mode == "phong":
         return []
@@ -136,23 +150,6 @@ def omitted_anisotropy(scene: Scene, settings: Settings) -> list[str]:
     without_tangents = sum(mesh.tangents is None for mesh in meshes)
     reason = "without tangents, and without texture coordinates to compute them"
     return [f"anisotropy of {counted(without_tangents, 'surface')} {reason}"] if without_tangents else []
-
-
-def _ignored_by_phong(scene: Scene, settings: Settings) -> list[str]:
-    """A line for each feature of the materials that mode phong draws without. Of glass another line tells."""
-    if settings.mode != "phong":
-        return []
-    lit = [m for m in (scene.materials[scene.meshes[i.mesh].material] for i in scene.instances) if not m.unlit]
-    return [f"{f.title}: mode phong does not show it" for f in SWITCHED
-            if "phong" not in f.models and f not in (TRANSMISSION, VOLUME) and any(map(f.is_on, lit))]
-
-
-def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
-    """Lines for layers that no program has."""
-    if settings.mode == "phong":
-        return []
-    return [f"{what}: no surface has it" for layer, what in LAYERS.items()
-            if not any(has_layer(draw, layer) for draw in plan.kinds)]
 
 
 def _drawn(plan: Plan, scene: Scene) -> list[Mesh]:

@@ -3,25 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 
 from ..material.use import texture_bytes
-from ..scene.material import (
-    CLEARCOAT,
-    DIFFUSE_ROUGHNESS,
-    DIFFUSE_TRANSMISSION,
-    DISPERSION,
-    IRIDESCENCE,
-    SCATTER,
-    SHEEN,
-)
 from ..scene.parameter import Feature
-from ..scene.schema import MAPS
+from ..scene.schema import MAPS, SWITCHED
 from .curves import FIBRE_PIXELS, PLY_PIXELS
-from .model import Draw, Plan
-
-LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", IRIDESCENCE: "iridescence",
-          DIFFUSE_ROUGHNESS: "rough diffuse reflection", DIFFUSE_TRANSMISSION: "diffuse transmission",
-          SCATTER: "scattering in thin walls", DISPERSION: "dispersion"}
+from .model import Plan
 
 
 def used_lines(plan: Plan) -> tuple[str, ...]:
@@ -69,10 +57,10 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
     count = sum(plan.count(draw) * (draw.program.get("WOVEN") == 1) for draw in plan.kinds)
     if count:
         lines.append(f"yarns of {counted(count, 'woven surface')}")
-    for layer, what in LAYERS.items():
-        count = sum(plan.count(draw) * has_layer(draw, layer) for draw in plan.kinds)
-        if count:
-            lines.append(f"{what} of {counted(count, 'surface')}")
+    # A shared program may have a feature for another material's sake.
+    lines += feature_lines({feature: sum(
+        plan.count(draw) for draw in plan.kinds if draw.program.get(feature.switch) and feature.is_on(draw.surface))
+        for feature in SWITCHED})
     if plan.grid:
         lines.append("a grid on the ground, and the axes of the world")
     if plan.wireframe:
@@ -86,9 +74,9 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def has_layer(draw: Draw, layer: Feature) -> bool:
-    """Whether its program has the layer for its own material's sake."""
-    return bool(draw.program.get(layer.switch)) and layer.is_on(draw.surface)
+def feature_lines(surfaces: Mapping[Feature, int]) -> list[str]:
+    """A line for each feature of materials that any surface shows; `surfaces` has how many do."""
+    return [f"{feature.title} of {counted(count, 'surface')}" for feature, count in surfaces.items() if count]
 
 
 def counted(count: int, noun: str) -> str:

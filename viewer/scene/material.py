@@ -87,7 +87,7 @@ DISPERSION = Feature(
     "dispersion", "KHR_materials_dispersion", switch="DISPERSIVE",
     is_on=lambda m: m.dispersion > 0 and m.transmits and m.thickness > 0)
 SCATTER = Feature(
-    "scattering", "KHR_materials_scatter", switch="THIN_SCATTER", is_on=lambda m: m.scatters_thinly,
+    "scattering in thin walls", "KHR_materials_scatter", switch="THIN_SCATTER", is_on=lambda m: m.scatters_thinly,
     applied_by="thin_scatter")
 VOLUME_SCATTER = Feature(
     "scattering in volumes", "KHR_materials_volume_scatter",

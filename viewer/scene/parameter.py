@@ -22,14 +22,14 @@ Encoding = Literal["linear", "srgb", "normal"]
 class Feature:
     """A part of the material model that a material may or may not use.
 
-    `extension` is the glTF extension that defines its parameters, "" for glTF 2.0 itself. `place` is the JSON object
-    that contains them, "" for the material or the extension itself. Shaders compile the feature's code if the switch
-    `switch` is on, or always if it is "". `is_on` tests whether a material uses the feature; if not, its parameters
-    have their defaults. `models` are the shading models (the raster's fragment files) that implement it. If
-    `is_shareable`, its code is cheap and changes nothing when its parameters have their defaults, so a program that
-    has it may be shared by materials that do not use it. `needs_tangents`: a mesh must have tangents for it. With
-    `applied_by` = "name" it changes other parameters once all are known: apply_name(inout MaterialInputs) of
-    shaders/bsdf/name.glsl.
+    `title` is its name in plans and documents. `extension` is the glTF extension that defines its parameters, "" for
+    glTF 2.0 itself. `place` is the JSON object that contains them, "" for the material or the extension itself. Shaders
+    compile the feature's code if the switch `switch` is on, or always if it is "". `is_on` tests whether a material
+    uses the feature; if not, its parameters have their defaults. `models` are the shading models (the raster's fragment
+    files) that implement it. If `is_shareable`, its code is cheap and changes nothing when its parameters have their
+    defaults, so a program that has it may be shared by materials that do not use it. `needs_tangents`: a mesh must have
+    tangents for it. With `applied_by` = "name" it changes other parameters once all are known: apply_name(inout
+    MaterialInputs) of shaders/bsdf/name.glsl.
     """
 
     title: str

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
-from ..plan.left_out import omitted_anisotropy
+from ..plan.left_out import omitted_features
 from ..plan.model import Program
+from ..plan.used import feature_lines
 from ..plan.warnings import DEEP_GLASS, NO_TRIANGLES
-from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
+from ..scene.material import DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
 from ..scene.scene import Scene
+from ..scene.schema import SWITCHED
 from ..settings import Settings, setting_choices
-from .kinds import BOUNDARY, FIBRE, GLASS, KINDS, WOVEN, Kind
+from .kinds import BOUNDARY, FIBRE, KINDS, WOVEN, Kind
 from .paths.surface_rays import FROM_SURFACE
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry
@@ -205,6 +208,10 @@ def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ..
         segments, strands = len(geometry.curves.first), geometry.curves.strands
         lines.append(f"{segments} round segment{'s' * (segments != 1)} of {strands} strand{'s' * (strands != 1)}")
     lines += [what for name, what in (*_LIGHTS.items(), *_SURFACES.items()) if switches[name]]
+    surfaces = Counter(instance.material for instance in geometry.instances)
+    features = {k: geometry.materials[k].features for k in surfaces}
+    lines += feature_lines({feature: sum(number for k, number in surfaces.items() if features[k][feature.switch])
+                            for feature in SWITCHED if switches.get(feature.switch, 1)})
     lines += [_TREE] * switches["HAS_LIGHT_TREE"]
     if any(instance.kind == WOVEN for instance in geometry.instances):
         lines.append("yarns of woven cloth")
@@ -236,13 +243,9 @@ def _left_out(
     if switches["BACKGROUND"] == 0:
         reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not requested"
         lines.append(f"the environment as background: {reason}")
-    omitted = omitted_anisotropy(scene, settings)
-    lines += [f"{what}: there is none" for name, what in _SURFACES.items()
-              if not switches[name] and not (omitted and name == ANISOTROPY.switch)]
+    lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
+    lines += omitted_features(scene, settings)
     lines += unused_maps(scene, geometry)
-    lines += omitted
-    if GLASS.name not in programs:
-        lines.append("the pass for glass: nothing transmits light")
     lines += [] if photons is None else photons.left_out
     if geometry.depth > geometry.nesting.most:
         most = geometry.nesting.most
@@ -266,16 +269,7 @@ _LIGHTS = {
 _SURFACES = {
     "HAS_TEXTURES": "texture fetches",
     "HAS_NORMAL_MAP": "normal maps",
-    "ANISOTROPIC": "anisotropic highlights",
-    "DIFFUSE_ROUGH": "rough diffuse reflection",
-    "SHEEN": "sheen",
-    "IRIDESCENT": "iridescence",
-    "CLEARCOAT": "clear coats",
-    "DIFFUSE_TRANSMISSION": "diffuse transmission",
-    "THIN_SCATTER": "scattering in thin walls",
-    "DISPERSIVE": "dispersion",
     "HAS_COLOR": "vertex colours",
-    "HAS_EMISSION": "emission",
     "HAS_SEE_THROUGH": "code for what alpha leaves open",
     "HAS_PANES": "shadow rays through thin smooth panes",
     "HAS_NESTED": "solids of glass that touch or overlap",

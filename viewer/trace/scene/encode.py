@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...material.fold import without_constant_maps
-from ...material.use import feature_switches, metalness
+from ...material.use import metalness
 from ...scene.material import TRANSMISSION
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
@@ -39,7 +39,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     data = [texture for m in materials for texture in m.data_textures]
     textures = [use.texture for use in color] + data
     has_normal_map = any(m.normal_maps for m in materials)
-    features = [feature_switches(m.material, "unlit" if m.material.unlit else "pbr") for m in materials]
+    features = [m.features for m in materials]
     switches = {
         "HAS_TEXTURES": bool(textures),
         "HAS_COLOR_MAPS": bool(color),
@@ -72,8 +72,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
 def transmits(geometry: TraceGeometry) -> bool:
     """Whether light gets into some solid or through some wall, so that paths may have a medium inside."""
     return geometry.scatters or any(
-        feature_switches(m.material, "unlit" if m.material.unlit else "pbr")[TRANSMISSION.switch]
-        or (m.transmits_diffusely and not m.is_thin) for m in geometry.materials)
+        m.features[TRANSMISSION.switch] or (m.transmits_diffusely and not m.is_thin) for m in geometry.materials)
 
 
 def _metalness(materials: Sequence[TraceMaterial]) -> int:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...material.pack import COLOR_ROLES, DATA_ROLES, record
-from ...material.use import may_be_pane, used_maps
+from ...material.use import feature_switches, may_be_pane, used_maps
 from ...scene.material import SHEEN, Material, Sampler, Texture
 from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
@@ -56,6 +56,11 @@ class TraceMaterial:
     is_thin: bool
     is_boundary: bool = False
     is_pane: bool = False
+
+    @property
+    def features(self) -> dict[str, int]:
+        """The switches of all features of materials: on if it has the feature."""
+        return feature_switches(self.material, "unlit" if self.material.unlit else "pbr")
 
     @property
     def is_solid(self) -> bool:
