@@ -31,48 +31,23 @@ float voxel(int row, int i) {
     return texelFetch(u_voxels, ivec2(i & ((1 << u_voxel_shift) - 1), row + (i >> u_voxel_shift)), 0).r;
 }
 
-float density_of(Volume v, ivec3 at) {
-    return voxel(v.first_voxel, at.x + v.voxels.x * (at.y + v.voxels.y * at.z));
-}
-
 float majorant_of(Volume v, ivec3 cell) {
     return voxel(v.first_majorant, cell.x + v.cells.x * (cell.y + v.cells.y * cell.z));
 }
 
-// The voxels about a point of a cell, and where it is between them: `low`, and of each axis `low + 1` by `part`
-void voxels_about(Volume v, vec3 point, out ivec3 low, out vec3 part) {
-    vec3 index = clamp(point * v.cell_size - 0.5, vec3(0.0), vec3(v.voxels - 1));
-    low = min(ivec3(index), max(v.voxels - 2, 0));
-    part = index - vec3(low);
-}
-
-// The density at a point in cells
-float density_at(Volume v, vec3 point) {
-    ivec3 low;
-    vec3 part;
-    voxels_about(v, point, low, part);
-    float sum = 0.0;
-    for (int k = 0; k < 8; ++k) {
-        ivec3 corner = ivec3(k & 1, k >> 1 & 1, k >> 2);
-        vec3 weight = mix(1.0 - part, part, vec3(corner));
-        sum += weight.x * weight.y * weight.z * density_of(v, min(low + corner, v.voxels - 1));
-    }
-    return sum;
-}
-
-// The density of one of the eight voxels about the point, chosen with the weights of the trilinear interpolation: its
-// mean is density_at. Wherever the density enters linearly it takes that one's place, at an eighth of the memory
-// accesses. One random number makes the three choices, for after each of them it is uniform again.
+// The density of one of the eight voxels about a point in cells, chosen with the weights of the trilinear interpolation,
+// so that its mean is the interpolated density. Wherever the density enters linearly it takes that one's place, at an
+// eighth of the memory accesses. One random number makes the three choices, for after each of them it is uniform again.
 float random_density_at(Volume v, vec3 point, float u) {
-    ivec3 at;
-    vec3 part;
-    voxels_about(v, point, at, part);
+    vec3 index = clamp(point * v.cell_size - 0.5, vec3(0.0), vec3(v.voxels - 1));
+    ivec3 at = min(ivec3(index), max(v.voxels - 2, 0));
+    vec3 part = index - vec3(at);
     for (int axis = 0; axis < 3; ++axis) {
         bool is_high = u < part[axis];
         u = is_high ? u / part[axis] : (u - part[axis]) / (1.0 - part[axis]);
         at[axis] += int(is_high);
     }
-    return density_of(v, at);
+    return voxel(v.first_voxel, at.x + v.voxels.x * (at.y + v.voxels.y * at.z));
 }
 
 // A walk along a ray from cell to cell: Amanatides & Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing". The
