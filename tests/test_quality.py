@@ -114,10 +114,10 @@ def test_auto_takes_what_the_rule_foresees_and_says_so(run, folder, monkeypatch)
         assert ("visibility" in plan["passes"]) == (point == "standard")
         assert ("with 16 of 64 lights" in plan["quality_reason"]) == (lights < 64)
         outcome = run("render", MODEL, "-o", "a.png", *SMALL, "--quality", "auto", "--stats", "s.json", "-v")
-        assert outcome.status == 0 and f"quality {point}; quality_reason foreseen" in outcome.err
+        assert outcome.status == 0 and f"quality {point}; quality_reason standard" in outcome.err
         assert json.loads((folder / "s.json").read_text())["plan"]["quality"] == point
         facts = json.loads(run("info", MODEL, "--quality", "auto", "--json", "-").out)["plan"]
-        assert facts["quality"] == point and "foreseen" in facts["quality_reason"]
+        assert facts["quality"] == point and "estimated" in facts["quality_reason"]
 
 
 def test_auto_is_a_draft_where_somebody_chooses_by_hand_and_where_no_light_is_shown():

@@ -83,7 +83,7 @@ def test_nothing_is_baked_where_none_sees_another(renderer: Renderer, radiance):
     pictures = [radiance(ball, VIEW, SIZE, indirect=indirect) for indirect in ("off", "baked")]
     np.testing.assert_array_equal(*pictures)
     assert not renderer.plan.has_indirect
-    assert "indirect light: the scene is convex: no surface sees another" in renderer.plan.left_out
+    assert "baked indirect light: the scene is convex: no surface sees another" in renderer.plan.left_out
 
 
 def test_each_instance_has_its_own(radiance):

@@ -316,8 +316,8 @@ def test_plans_name_curves_and_programs_have_them_only_where_there_are_any():
     assert "will be black" in picture_warnings(replace(model, environment=None), Settings())[0]
     on_a_plate = replace(scene(plate(), environment=FURNACE), curves=model.curves)
     told = picture_warnings(on_a_plate, Settings(ambient_occlusion="gtao", reflections="traced", indirect="baked"))
-    assert told == ["ambient_occlusion knows nothing of curves; environment_shadows does",
-                    "the light of reflections and indirect is without curves"]
+    assert told == ["ambient_occlusion ignores curves; environment_shadows includes them",
+                    "curves are missing from the light of reflections and indirect"]
     assert picture_warnings(on_a_plate, Settings(ambient_occlusion="gtao", environment_shadows="16")) == []
     assert picture_warnings(model, Settings(ambient_occlusion="gtao", refraction="traced")) == []
 

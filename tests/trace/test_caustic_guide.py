@@ -243,7 +243,7 @@ def test_photons_are_traced_again_for_what_they_meet(monkeypatch) -> None:
 
 def test_a_plan_traces_no_photons(monkeypatch) -> None:
     monkeypatch.setattr(caustic_guide, "caustic_rays", None)
-    line = "a guide to the lamps that smooth bodies may show rough surfaces"
+    line = "a guide to caustics of lamps"
     floor, lamp, ground = FLOOR, (LAMP, ABOVE), FLOOR[1]
     poster, mirror = Material("poster", unlit=True), (replace(METAL, emissive=LAMP.emissive), ABOVE)
     for material, placed, settings, may in (

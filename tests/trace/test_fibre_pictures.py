@@ -151,4 +151,4 @@ def test_only_a_scene_with_curves_has_their_programs() -> None:
     assert "65 round segments of 16 strands" in hairy.used
     assert "fibre" not in bare.programs and "fibre layers" not in bare.programs
     assert {program["HAS_CURVES"] for name, program in bare.programs.items() if name.startswith("classify")} == {0}
-    assert "fibres: there is none" in bare.left_out
+    assert "curves: the scene has none" in bare.left_out

@@ -184,6 +184,6 @@ def test_a_scene_without_fog_has_no_code_for_it():
     clear, foggy, thinning = (plan_without_device(model, Settings.of(mode="path", **more)) for more in (
         {}, {"fog": 0.5}, {"fog": 0.5, "fog_height": 1.0}))
     assert {p["HAS_FOG"] for n, p in clear.programs.items() if n in ("generate", "classify", "surface")} == {0}
-    assert "medium" not in clear.programs and "fog: there is none" in clear.left_out
+    assert "medium" not in clear.programs and "fog: the scene has none" in clear.left_out
     assert "fog" in foggy.used and foggy.programs["medium"]["HAS_FOG"] == 1
     assert thinning.programs["medium"]["HAS_FOG"] == 2

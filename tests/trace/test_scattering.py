@@ -211,7 +211,7 @@ def test_a_scene_without_scattering_has_no_code_for_it(everything_in_fog):
     assert names[0] - names[1] == {"medium", "airlight", "boundary"}
     assert not any(program["HAS_SCATTERING"] for name, program in plans[1].programs.items() if name in (
         "generate", "classify", "finish", "glass", "surface"))
-    assert "scattering in volumes" in plans[0].used and "scattering in volumes: there is none" in plans[1].left_out
+    assert "scattering in volumes" in plans[0].used and "scattering in volumes: the scene has none" in plans[1].left_out
 
 
 def test_paths_that_would_not_end_are_counted(tracer, monkeypatch):

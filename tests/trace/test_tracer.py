@@ -152,7 +152,7 @@ def test_the_plan_tells_what_is_left_out(tracer, model):
     plan = tracer.begin(model, VIEW, Settings.of(mode="path", spp=1), (8, 8)).plan
     assert json.loads(json.dumps(plan.to_json())) == plan.to_json()
     text = "\n".join(plan.left_out)
-    for line in ("texture fetches", "transmission: no surface has it", "normal maps", "absorption in volumes",
+    for line in ("textures", "transmission: no surface has it", "normal maps", "absorption in volumes",
                  "point, spot"):
         assert line in text
     for line in ("emission", "from an environment", "emissive triangles"):

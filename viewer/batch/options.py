@@ -27,22 +27,20 @@ class Address(click.ParamType):
 
 BATCH_OPTIONS = [
     click.option("--jobs", type=Whole(1, 1024), metavar="N",
-                 help="Render in N processes beside this one. A model that crashes its process is reported, and the "
-                      "others go on."),
+                 help="Render in N worker processes. If a model crashes its process, that is reported, and the other "
+                      "models are still rendered."),
     click.option("--dask", is_flag=False, flag_value=LOCAL, type=Address(), metavar="[ADDRESS]",
-                 help="Render on the workers of the Dask scheduler at ADDRESS, such as tcp://host:8786, which see the "
-                      "same files at the same places. Without ADDRESS: of the one that DASK_SCHEDULER_ADDRESS names, "
-                      "or of --jobs workers on this machine. A MODEL after it needs `--dask=local`."),
+                 help="Render on the workers of the Dask scheduler at ADDRESS, such as tcp://host:8786. They need the "
+                      "files at the same paths. Without ADDRESS: the scheduler that DASK_SCHEDULER_ADDRESS names, or "
+                      "else --jobs workers on this machine. Write `--dask=local` if a MODEL follows."),
     click.option("--scheduler-file", metavar="FILE.json",
-                 help="As --dask, with the scheduler that has written this file (`dask scheduler --scheduler-file`)."),
+                 help="Like --dask, with the scheduler that wrote this file (`dask scheduler --scheduler-file`)."),
     click.option("--resume", is_flag=True,
-                 help="Leave out the models whose pictures are there already, made of the same files with the same "
-                      "options by a run that was stopped or killed, or in which others have failed; manifest.jsonl "
-                      "beside the pictures tells."),
+                 help="Continue an interrupted run: skip the models whose pictures exist and were made from the same "
+                      "files with the same options, as recorded in manifest.jsonl beside the pictures."),
     click.option("--retries", type=Whole(0, 1000), metavar="N",
-                 help="Try a model N times more if its process was killed, or memory or the disk was full. What is "
-                      "wrong with a file stays wrong, so that is not tried again. Default: 1 for several models, "
-                      "0 for one."),
+                 help="Try a model up to N more times if its process was killed, or if memory or the disk was full. "
+                      "Errors in a file are not tried again. Default: 1 for several models, 0 for one."),
 ]
 BATCH = ("jobs", "dask", "scheduler_file", "resume", "retries")
 """The names of these options; no picture depends on them."""

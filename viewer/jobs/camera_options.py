@@ -53,14 +53,15 @@ def _orbit_problem(orbit: tuple[float, ...]) -> str:
 
 CAMERA_OPTIONS = [
     click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem), multiple=True,
-                 help="Look from this azimuth and elevation (degrees; 0,0 is the front, where the camera looks along "
-                      "-Z) and distance. Without a distance the model fills the picture. Default: 30,15. `render` "
-                      "takes several, for a picture each."),
+                 help="Place the camera at this azimuth and elevation (degrees) and distance. 0,0 is the front: the "
+                      "camera looks along -Z. Without a distance the model fills the picture. Default: 30,15. `render` "
+                      "accepts several and makes a picture for each."),
     click.option("--view", type=Views(),
-                 help=f"Look from there: {', '.join(VIEWS)}. left is where the left of the front view is; iso sees "
-                      "three sides alike. `render` takes several, separated by commas."),
-    click.option("--ortho", is_flag=True, help="Without perspective. With --eye, or a distance, as much is shown as "
-                                               "there is with perspective at the target."),
+                 help=f"Look from this side: {', '.join(VIEWS)}. left is the left of the front view; iso shows three sides. "
+                      "`render` accepts several, separated by commas, and makes a picture for each."),
+    click.option("--ortho", is_flag=True, help="Use an orthographic camera, without perspective. With --eye or a "
+                                               "distance, it shows as much as a perspective camera shows at the "
+                                               "target."),
     click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point (metres; +Y is up)."),
     click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's centre."),
     click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
@@ -68,15 +69,15 @@ CAMERA_OPTIONS = [
 ]
 VIEWS_OPTIONS = [
     click.option("--cameras", metavar="FILE.json",
-                 help="Look through the cameras of a transforms.json, as nerfstudio and instant-ngp have it: a picture "
-                      "each, of the size that the file says, unless there is a --size."),
+                 help="Make a picture for each camera in a transforms.json, the format of nerfstudio and instant-ngp. "
+                      "Without --size, the pictures have the size that the file gives."),
     click.option("--write-cameras", metavar="FILE.json",
-                 help="Write the cameras of all pictures, and the names of these, as such a file. For a file for each "
-                      "model a folder, which ends in /, or a pattern with {name}, as for -o."),
+                 help="Write the cameras and the names of all pictures to a transforms.json. For one file per model: a "
+                      "folder, which ends in /, or a pattern with {name}, as for -o."),
     click.option("--sheet", type=Grid(),
-                 help="One picture of so many views around the model, with labels, or of the views that --view, "
-                      "--orbit or --cameras name. For several models and one OUT, a picture of each model with its "
-                      "name. --size is that of each of them, by default 320x320."),
+                 help="Make one picture with a grid of labelled views around the model, or of the views that --view, "
+                      "--orbit or --cameras give. Several models with one OUT make a contact sheet with a view of each "
+                      "model. --size is the size of each view, by default 320x320."),
 ]
 
 

@@ -181,10 +181,10 @@ MODE_OPTION = click.option(
     help="pbr: physically based shading; phong: Phong's model; path: path tracing, exact but slow.")
 QUALITY_OPTION = click.option(
     "--quality", type=click.Choice([AUTO, *QUALITIES]),
-    help="Mode pbr: how much time a picture takes for how small an error; what --set says wins. draft: image-based "
-         "light alone; standard: also shadows of the environment; high: also indirect light and traced rays, after "
-         "seconds of preparing. `pbr-viewer report` measures them. auto, the default: standard "
-         "where its first picture is foreseen within twice the time of a draft, else draft.")
+    help="Mode pbr: trade time against error. draft: image-based light only; standard: also shadows of the "
+         "environment; high: also indirect light and traced rays, which take seconds to prepare. auto, the default: "
+         "standard if its first picture is estimated to take at most twice the time of a draft, otherwise draft. "
+         "Settings that --set names keep their values.")
 LOOK_OPTIONS = [
     click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
                  help="The environment that lights the model: a panorama (.hdr, .exr, .png, .jpg), or studio, sky, "
@@ -194,32 +194,34 @@ LOOK_OPTIONS = [
     click.option("--env-intensity", type=Number(0, 1e6), default=1.0, metavar="X",
                  help="Multiply the light of the environment."),
     click.option("--background", type=BackgroundColor(), default="env", show_default=True,
-                 help="Behind the model: the environment, nothing (alpha 0), or a colour, which exposure and tone map "
-                      "do not change; an .exr stores it as linear light."),
+                 help="What is behind the model: the environment, nothing (alpha 0), or a colour. Exposure and tone "
+                      "map do not change the colour; an .exr stores it as linear light."),
     click.option("--exposure", type=Number(-MAX_EXPOSURE, MAX_EXPOSURE), default=0.0, metavar="EV",
-                 help="Make the picture 2^EV times as bright; this does not change an .exr."),
+                 help="Make the picture 2^EV times as bright. An .exr is not changed."),
     click.option("--tonemap", type=click.Choice(["neutral", "agx", "aces", "none"]), default="neutral",
                  show_default=True, help="The tone map, which compresses bright light to the range of a screen."),
     click.option("--light", "lights", type=Numbers("AZ,EL,LUX", 3, check=_light_problem), multiple=True,
-                 help="Add a directional light that shines from azimuth and elevation (degrees), in lux; can be "
-                      "repeated. White that faces 3.14 lux has radiance 1; 1000 lux need an --exposure of -8."),
+                 help="Add a directional light that shines from this azimuth and elevation (degrees) with this many "
+                      "lux; can be repeated. A white surface that faces a light of 3.14 lux has radiance 1; 1000 lux "
+                      "need an --exposure of -8."),
     click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE",
-                 help="Change any other setting; `pbr-viewer info --settings` lists them; can be repeated."),
+                 help="Change any other setting; can be repeated. `pbr-viewer info --settings` lists the settings."),
 ]
 MODEL_OPTIONS = [
     click.option("--with", "with_files", multiple=True, metavar="FILE",
-                 help="Another model or volume in the same picture, in the same world coordinates; can be repeated. "
-                      "It stands still; the animations and variants are MODEL's."),
-    click.option("--variant", metavar="NAME", help="Show the model in these materials; `pbr-viewer info` lists its "
-                                                   "variants. Default: the file's own choice."),
+                 help="Add another model or volume to the picture, in the same coordinate system; can be repeated. "
+                      "It is not animated: --animation and --variant refer to MODEL."),
+    click.option("--variant", metavar="NAME", help="Show this variant of the materials; `pbr-viewer info` lists the "
+                                                   "variants. Default: the materials of the file."),
     click.option("--scene", metavar="N|NAME", help="Show this scene of a glTF file, by its number, counted from 0, or "
                                                    "by its name. Default: the file's default scene."),
     click.option("--up", type=click.Choice(["x", "y", "z", "-x", "-y", "-z"]), default="y", show_default=True,
-                 help="The axis of the file that points upwards. The model is turned so that it is +Y, to which all "
-                      "coordinates and angles refer then. Models from CAD and for 3D printing have z."),
+                 help="The axis of the file that points upwards, often z in files from CAD and for 3D printing. The "
+                      "model is turned so that this axis becomes +Y. All coordinates and angles are those after the "
+                      "turn."),
     click.option("--material", type=PlainMaterial(),
-                 help="Show all surfaces in one material, in place of their own and of vertex colours. COLOR is a name "
-                      "of CSS, such as gold, or #rrggbb. Default: not metallic, of roughness 0.5."),
+                 help="Replace all materials and vertex colours by one material. COLOR is a CSS colour name, such as "
+                      "gold, or #rrggbb. METALLIC is 0 and ROUGHNESS 0.5 by default."),
 ]
 SCENE_OPTIONS = [MODE_OPTION, QUALITY_OPTION, *MODEL_OPTIONS, *LOOK_OPTIONS]
 TIME_OPTIONS = [
@@ -230,41 +232,41 @@ TIME_OPTIONS = [
 ]
 PATH_OPTIONS = [
     click.option("--spp", type=Whole(*_ends("spp")), metavar="N",
-                 help=f"Mode path: samples per pixel. With one of the next two options it is the most, on average. "
-                      f"Default: {DEFAULT_SPP}, or unlimited with one of them."),
+                 help=f"Mode path: samples per pixel; default: {DEFAULT_SPP}. With --time-budget or --error it is the "
+                      "largest mean number of samples per pixel; default: unlimited."),
     click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
-                 help="Make the best picture within this time, by both renderers; with --mode path, by path tracing."),
+                 help="Make the best picture within this time. Both renderers are tried; with --mode path, path "
+                      "tracing only."),
     click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
-                 help="Make a picture with at most this relative error (0.02 is 2 %) in little time, by both "
-                      "renderers; with --mode path, by path tracing, which estimates its error."),
+                 help="Make a picture with at most this relative error (0.02 is 2 %) as fast as possible. Both "
+                      "renderers are tried; with --mode path, path tracing only. The error is an estimate."),
     click.option("--seed", type=Whole(*_ends("seed")), default=0, metavar="N",
                  help="Mode path: the seed of the random numbers; the same N gives the same noise."),
     click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,
-                 help="Mode path: remove noise, which also blurs some detail: fast (a wavelet filter), raster (mix in "
-                      "a picture of mode pbr, where that is nearer to the truth) or oidn (Intel Open Image Denoise, "
-                      "an optional dependency)."),
+                 help="Mode path: remove noise, which also blurs some detail. fast: a wavelet filter; raster: mixes in "
+                      "a picture of mode pbr where that one is closer to the correct picture; oidn: Intel Open Image "
+                      "Denoise, an optional dependency."),
 ]
 ERROR_OPTIONS = [
     click.option("--tell-error", is_flag=False, flag_value=TELL_ERROR_S,
                  type=Number(*_ends("time_budget"), hint="; a MODEL after it needs --tell-error=SECONDS"),
                  metavar="[SECONDS]",
-                 help="Tell how far the picture of a real-time mode is from the truth, which so many seconds of path "
-                      f"tracing show. Default: {TELL_ERROR_S:g}. A MODEL after it needs `--tell-error=SECONDS`."),
+                 help="Print the error of a picture of mode pbr or phong, as measured by this many seconds of path "
+                      f"tracing; default: {TELL_ERROR_S:g}. Write `--tell-error=SECONDS` if a MODEL follows."),
     click.option("--error-map", metavar="FILE",
-                 help="With --tell-error: write where the picture is wrong. An .exr has the relative error; a .png is "
-                      "black at 0 and pale at 100 %. For several models a folder or a pattern, as for -o."),
+                 help="With --tell-error: write a map of the error. An .exr holds the relative error; a .png is black "
+                      "at 0 and pale at 100 %. For several models: a folder or a pattern, as for -o."),
 ]
 GROUND_OPTION = click.option(
     "--ground", type=click.Choice(["off", "shadow"]), default="off", show_default=True,
-    help="shadow: a plane below the model that only catches its shadow, which darkens the background; with "
-         "--background none the shadow is alpha.")
+    help="shadow: show the shadow that the model casts on a plane below it. It darkens the background; with "
+         "--background none the shadow is stored in alpha.")
 AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
-    f"Add these layers to the .exr or .npz, numbers of each pixel, separated by commas: {', '.join(SURFACE_LAYERS)}; "
-    f"in mode path also {', '.join(PATH_LAYERS)}. Motion is in pixels to the next frame, by --animation and --time, "
-    "--turntable and --fps."))
+    f"Add layers with numbers for each pixel to the .exr or .npz: {', '.join(SURFACE_LAYERS)}; in mode path also "
+    f"{', '.join(PATH_LAYERS)}. Motion is in pixels to the next frame of --animation or --turntable."))
 FILM_OPTIONS = [
     click.option("--turntable", type=Whole(1, 36_000), metavar="FRAMES",
-                 help="Film: turn once around the model in so many frames; 1 is a film of one frame."),
+                 help="Film: turn once around the model in this number of frames."),
     click.option("--fps", type=Number(0.01, 1000), metavar="N", help="Film: frames per second. Default: 25."),
 ]
 QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="Show no warnings and no progress bar.")

@@ -75,10 +75,9 @@ class FirstPicture:
     @property
     def reason(self) -> str:
         lights = self.lights or LIGHTS[-1]
-        within = "within" if self.lights else "not within"
         fewer = f" with {lights} of {LIGHTS[0]} lights of the environment" if lights < LIGHTS[0] else ""
-        return f"foreseen {within} {TIMES:g} times a draft's time{fewer}: " \
-            f"{self.standard(lights):.2f} s, {self.draft:.2f} s"
+        return f"standard{fewer} is estimated to take {self.standard(lights):.2f} s, " \
+            f"{'at most' if self.lights else 'more than'} {TIMES:g} times a draft's time of {self.draft:.2f} s"
 
 
 def _draws(scene: Scene) -> int:

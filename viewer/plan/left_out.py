@@ -42,7 +42,7 @@ def left_out_lines(plan: Plan, scene: Scene, settings: Settings, lights: Sequenc
     any_lit = is_any_lit(draws)
     uses_lights = any_lit or plan.media is not None or plan.curves is not None
     if not draws:
-        lines.append("all shading of surfaces: there are none")
+        lines.append("all shading of surfaces: the scene has none")
     elif not any_lit:
         lines.append(f"all lighting{' of surfaces' * uses_lights}: every surface is unlit")
     elif scene.environment is None:
@@ -83,10 +83,10 @@ def left_out_lines(plan: Plan, scene: Scene, settings: Settings, lights: Sequenc
                      f"objects or {MOST_TRIANGLES} triangles, so each triangle is shaded, as by msaa-4")
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not requested" if settings.indirect == "off" else (
-            "estimated" if plan.estimates_indirect and plan.has_visibility else
+            "it is estimated instead" if plan.estimates_indirect and plan.has_visibility else
             "the scene is convex: no surface sees another" if settings.indirect == "baked" else
-            "estimated with shadows of the environment alone")
-        lines.append(f"indirect light: {reason}")
+            "it is estimated only together with environment-shadows")
+        lines.append(f"baked indirect light: {reason}")
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not requested"
         lines.append(f"the environment as background: {reason}")

@@ -61,24 +61,24 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
         for volume in scene.volumes:
             count = mean_collisions(volume, volume_medium(settings))
             if count > MANY_COLLISIONS:
-                lines.append(f"volume {volume.name!r} is so dense, and absorbs so little, that paths collide up to "
+                lines.append(f"volume {volume.name!r} is so dense, and absorbs so little, that a path may collide "
                              f"{count:.0f} times in it: the picture takes long")
     for name, is_there in (("volume", bool(scene.volumes)), ("fog", settings.fog > 0)):
         if is_there and getattr(settings, f"{name}_droplets") > 0 and getattr(settings, f"{name}_g") != 0:
-            lines.append(f"{name}_g has no effect together with {name}_droplets, whose phase function takes its place")
+            lines.append(f"{name}_g has no effect together with {name}_droplets, which replaces its phase function")
     if scene.volumes and any(settings.volume_emission) and _misses_emission(settings):
-        lines.append("volume_density is 0, so that mode path does not show what volumes emit: its paths find it where "
-                     "they collide")
+        lines.append("volume_density is 0, so mode path does not show the emission of volumes: paths find it only "
+                     "where they collide")
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
     if scene.curves and scene.instances and settings.mode == "pbr":
         if settings.ambient_occlusion != "off" and settings.environment_shadows == "off":
-            lines.append("ambient_occlusion knows nothing of curves; environment_shadows does")
+            lines.append("ambient_occlusion ignores curves; environment_shadows includes them")
         traced = [name for name, value in (("reflections", "traced"), ("refraction", "traced"), ("indirect", "baked"))
                   if getattr(settings, name) == value]
         if traced:
-            lines.append(f"the light of {' and '.join(traced)} is without curves")
+            lines.append(f"curves are missing from the light of {' and '.join(traced)}")
     return lines
 
 
@@ -95,8 +95,8 @@ def camera_warnings(scene: Scene, settings: Settings, camera: Camera) -> list[st
         points = mesh.positions @ instance.transform[:3, :3].T + (instance.transform[:3, 3] - eye)
         if winding_number(points[triangles_of(mesh)]) > 0.5:
             around.append(f" of material {material.name!r}" if material.name else "")
-    return [f"the camera is inside of a solid{around[-1]} that scatters light: mode {settings.mode} shows nothing of "
-            "what fills it; mode path does"] if around else []
+    return [f"the camera is inside a solid{around[-1]} that scatters light: mode {settings.mode} does not show the "
+            "medium in it; mode path does"] if around else []
 
 
 NO_PHOTONS = "photons: "
@@ -120,8 +120,8 @@ def sample_warnings(stats: Mapping[str, Any]) -> list[str]:
               if line.startswith(NO_PHOTONS)]
     lines += [line for line in left_out if line.startswith(DEEP_GLASS) or line.endswith(NO_TRIANGLES)]
     if stats.get("photons") == 0:
-        lines.append("the picture ended before the first photons arrived: what lamps throw through smooth glass and "
-                     "off smooth mirrors is missing")
+        lines.append("the picture ended before the first photons arrived: the light of point, spot and directional "
+                     "lights through smooth glass and off smooth mirrors is missing")
     return lines + lost_light(stats.get("photons_lost", 0.0))
 
 
@@ -129,5 +129,5 @@ def lost_light(share: float) -> list[str]:
     """A warning of the light of photons that the picture lacks, if the share of it is large enough."""
     if share < TOLD_SHARE:
         return []
-    return [f"about {share:.0%} of the light that photons bring is seen only through smooth glass or in mirrors, and "
-            "is not in the picture"]
+    return [f"about {share:.0%} of the light of photons is missing from the picture: it can only be seen through "
+            "smooth glass or in mirrors"]

@@ -259,7 +259,8 @@ class Scene:
         found = next((variant for variant in self.variants if variant.name == name), None)
         if found is None:
             names = ", ".join(variant.name for variant in self.variants[1:])
-            raise UsageError(f"there is no variant {name!r}; " + (f"there are {names}" if names else "there are none"))
+            raise UsageError(f"there is no variant {name!r}; " + (f"there are {names}" if names else "the file has no "
+                                                                                                     "variants"))
         copy = self.relit(materials=found.materials, variant=name)
         return copy if self.rig is None else replace(copy, rig=replace(self.rig, materials=found.numbers))
 
