@@ -100,38 +100,40 @@ class Settings:
         "charlie", "lobe of the fibres of a sheen; charlie: that of KHR_materials_sheen; zeltner: with light that is "
         "scattered several times between them", modes=_PHYSICAL)
     weave: str = _option(
-        "off", "show the model, or one of its materials, as woven cloth, laid out by the texture coordinates: plain, "
-        "twill, satin, denim, or a weave of your own", WeaveName(), modes=_PHYSICAL)
+        "off", "show the model, or one of its materials, as woven cloth along its texture coordinates: plain, twill, "
+        "satin, denim, or a weave of your own", WeaveName(), modes=_PHYSICAL)
     lobes: Lobes = _option("all", "show one contribution alone")
     show: Show = _option(
-        "shaded", "a view for teaching and debugging: in place of the shaded picture one quantity of the surfaces, "
-        "without exposure and tone map; overdraw: the number of fragments drawn in each pixel; wireframe: the shaded "
+        "shaded", "show one quantity of the surfaces instead of the shaded picture, without exposure and tone map, for "
+        "teaching and debugging; overdraw: the number of fragments drawn in each pixel; wireframe: the shaded "
         "picture with the edges of triangles (docs/views.md)", modes=_REAL_TIME)
     grid: Literal["off", "on"] = _option(
-        "off", "a grid on the ground under the model, whose lines are a power of ten apart, and the axes of the world: "
-        "x red, y green, z blue", modes=_REAL_TIME)
+        "off", "a grid on the ground below the model, with a power of ten as the distance between lines, and the axes "
+        "of the world: x red, y green, z blue", modes=_REAL_TIME)
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong", modes=_PHONG)
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights", modes=_REAL_TIME)
     environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(
-        "off", "shadows of the environment, from so many directional lights sampled from it", modes=_PBR)
+        "off", "shadows of the environment, computed with this number of directional lights sampled from "
+               "it", modes=_PBR)
     ambient_occlusion: Literal["off", "gtao"] = _option(
         "off", "ambient occlusion computed from the depth buffer; no effect together with environment-shadows",
         modes=_PBR)
     indirect: Literal["off", "estimated", "baked"] = _option(
-        "off", "indirect light from other surfaces; estimated: what hides a light of environment-shadows reflects what "
-        "the mean of all surfaces would; baked: path traced once at the vertices", modes=_PBR)
+        "off", "indirect light from other surfaces; estimated: a surface that blocks a light of environment-shadows is "
+        "taken to reflect light with the mean colour of all surfaces; baked: path traced once at the "
+        "vertices", modes=_PBR)
     reflections: Literal["environment", "traced"] = _option(
-        "environment", "what is reflected; traced: also the model itself, by one ray from each shaded point",
+        "environment", "what surfaces reflect; traced: also the model itself, by rays from each shaded point",
         modes=_PBR)
     refraction: Literal["screen", "traced"] = _option(
         "screen", "refraction in solid glass: in screen space, or traced by two paths from each shaded point",
         modes=_PBR)
     subsurface: Literal["off", "slab", "screen"] = _option(
-        "screen", "light that solids scatter inside; slab: at each point alone, by the thickness behind it; screen: "
-        "also spread over the surface, by a diffusion profile in screen space", modes=_PBR)
+        "screen", "subsurface scattering in solids; slab: computed at each point alone, from the thickness behind it; "
+        "screen: also spread over the surface, by a diffusion profile in screen space", modes=_PBR)
     specular_aa: Literal["on", "off"] = _option(
-        "off", "specular antialiasing of the environment: widen what is reflected smaller than a pixel, which flickers "
-        "less but is less exact; highlights of lights are means over their pixels with both", modes=_PBR)
+        "off", "specular antialiasing of the environment: blur reflections that are smaller than a pixel, which "
+        "flickers less but is less exact; highlights of lights are always averaged over their pixels", modes=_PBR)
     background_blur: float = _option(
         0.0, "blur of the environment as background: standard deviation of a Gaussian in degrees; 0: none",
         Range(0.0, 90.0))
@@ -143,8 +145,8 @@ class Settings:
     volume_g: float = _option(
         0.0, "volume files: mean cosine of the Henyey-Greenstein phase function; above 0: forwards", Range(-0.99, 0.99))
     volume_droplets: float = _option(
-        0.0, "volume files: diameter of droplets of water in micrometres, 5 to 50, whose phase function takes the "
-        "place of that of volume-g; 0: none", Range(5.0, 50.0, or_zero=True))
+        0.0, "volume files: diameter of droplets of water in micrometres, 5 to 50, whose phase function replaces "
+        "volume-g; 0: none", Range(5.0, 50.0, or_zero=True))
     volume_emission: tuple[float, float, float] = _option(
         (0.0, 0.0, 0.0), "volume files: emitted radiance per unit of length where the file's density is 1",
         Several(0.0, 1e9))
@@ -156,32 +158,32 @@ class Settings:
     fog_g: float = _option(
         0.0, "mean cosine of the fog's Henyey-Greenstein phase function; above 0: forwards", Range(-0.99, 0.99))
     fog_droplets: float = _option(
-        0.0, "diameter of droplets of water in the fog in micrometres, 5 to 50, whose phase function takes the place "
-        "of that of fog-g; 0: none", Range(5.0, 50.0, or_zero=True))
+        0.0, "diameter of droplets of water in the fog in micrometres, 5 to 50, whose phase function replaces fog-g; "
+        "0: none", Range(5.0, 50.0, or_zero=True))
     fog_height: float = _option(
-        0.0, "scale height of the fog, which thins out by a factor of e over this length above the lowest point of the "
-        "scene; 0: it does not", Range(0.0, 1e18))
+        0.0, "scale height of the fog: above the lowest point of the scene, its density falls by a factor of e over "
+        "this length; 0: constant density", Range(0.0, 1e18))
     curve_radius: float = _option(
         0.0, "radius of all curves, in the scene's unit of length; 0: those of the file", Range(0.0, 1e9))
     hair_melanin: tuple[float, float] | None = _option(
         None, "curves: eumelanin (black, brown) and pheomelanin (yellow, red) of hair; none: the colours of the file, "
         "or 1.3,0 if it has none", Several(0.0, 1e3, names="EU,PHEO", or_none=True))
     hair_color: tuple[float, float, float] | None = _option(
-        None, "curves: the colour of many fibres together, in place of the melanin", Several(0.0, 1.0, or_none=True))
+        None, "curves: the colour of many fibres together; replaces hair-melanin", Several(0.0, 1.0, or_none=True))
     hair_absorption: tuple[float, float, float] | None = _option(
-        None, "curves: absorption coefficient of a fibre whose radius is 1, in place of the melanin",
+        None, "curves: absorption coefficient of a fibre whose radius is 1; replaces hair-melanin",
         Several(0.0, 1e4, or_none=True))
     hair_roughness: tuple[float, float] = _option(
         (0.3, 0.3), "curves: longitudinal and azimuthal roughness of the fibres", Several(0.0, 1.0, names="BM,BN"))
     hair_tilt: float = _option(
-        2.0, "curves: tilt of the fibres' scales in degrees; above 0, the first highlight leans to the tip, as in "
-        "Mitsuba and pbrt; below 0 to the root, as on hair", Range(-45.0, 45.0), modes=_PHYSICAL)
+        2.0, "curves: tilt of the fibres' scales in degrees; above 0, the first highlight moves towards the tip, "
+        "as in Mitsuba and pbrt; below 0 towards the root, as on real hair", Range(-45.0, 45.0), modes=_PHYSICAL)
     hair_scattering: Literal["single", "multiple"] = _option(
-        "multiple", "curves: light scattered once by fibres, or also from fibre to fibre, by a diffusion equation",
+        "multiple", "curves: single scattering, or also light from fibre to fibre, by a diffusion equation",
         modes=_PBR)
     hair_ior: float = _option(1.55, "curves: index of refraction of the fibres", Range(1.0, 3.0))
     yarn: Literal["off", "cotton", "wool", "silk"] = _option(
-        "off", "curves: show each as a yarn of plies and fibres, whose radius is that of the curve", modes=_PHYSICAL)
+        "off", "curves: show each curve as a yarn of plies and fibres, with the radius of the curve", modes=_PHYSICAL)
     yarn_plies: int | None = _option(
         None, "number of plies of a yarn; none: that of its kind",
         Range(1, 8, is_whole=True, or_none=True), modes=_PHYSICAL)
@@ -192,24 +194,25 @@ class Settings:
         None, "angle between plies and yarn in degrees; above 0, a right-handed screw; none: that of the kind of yarn",
         Range(-60.0, 60.0, or_none=True), modes=_PHYSICAL)
     yarn_hairs: float | None = _option(
-        None, "number of fibres that leave a yarn on each radius of its length; none: that of its kind",
+        None, "number of loose fibres per length of one radius of the yarn; none: that of its kind",
         Range(0.0, 100.0, or_none=True), modes=_PATH)
     media_steps: Literal["auto", "28", "56", "112", "224"] = _option(
         "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders",
         modes=_REAL_TIME)
     media_rays: Literal["auto", "all", "quarter", "ninth", "sixteenth"] = _option(
-        "auto", "the pixels that have a ray through fog and volumes of their own; auto: a quarter, but a sixteenth "
+        "auto", "the share of pixels with their own ray through fog and volumes; auto: a quarter, but a sixteenth "
         "while the camera moves and the CPU renders", modes=_REAL_TIME)
     media_scattering: Literal["single", "multiple"] = _option(
-        "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation",
+        "multiple", "fog and volumes: single scattering, or also multiple scattering, by a diffusion equation",
         modes=_REAL_TIME)
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "deferred-4", "ssaa-4", "ssaa-9", "ssaa-16"] = (
-        _option("auto", "samples per pixel, which are shaded once for each triangle (msaa), for at most two surfaces "
-                "(deferred), or each (ssaa); auto: msaa-4, and where the CPU renders deferred-4 from 512x512 pixels "
-                "on, but none while the camera moves, and ssaa-4 for curves, woven cloth and indirect=baked",
+        _option("auto", "samples per pixel. msaa shades once for each triangle in a pixel, deferred for at most two "
+                "surfaces, ssaa each sample. auto: msaa-4. If the CPU renders: none while the camera moves, deferred-4 "
+                "from 512x512 pixels on, and ssaa-4 for curves, woven cloth and indirect=baked",
                 modes=_REAL_TIME))
     plan: Literal["needed", "everything"] = _option(
-        "needed", "everything: compile and upload also what is not needed, for the same picture; shows what is saved")
+        "needed", "everything: also compile and upload what is not needed, to measure what the plan saves; the picture "
+        "is the same")
     sampling: Literal["mis", "bsdf", "lights"] = _option(
         "mis", "mode path: sample the BSDF, the lights, or both (mis: multiple importance sampling)", modes=_PATH)
     bounces: int = _option(
@@ -218,9 +221,10 @@ class Settings:
     light_radius: float = _option(
         0.0, "mode path: radius of point and spot lights, in the scene's unit", Range(0.0, 1e9), modes=_PATH)
     caustics: Literal["off", "photons"] = _option(
-        "off", "light from point, spot and directional lights that smooth glass or a smooth mirror scatters first, by "
-        "photons from the lights; in mode path as many as camera paths", modes=_PHYSICAL)
-    photons: int = _option(16, "mode pbr: photons a pixel, for caustics", Range(1, MAX_SPP, is_whole=True), modes=_PBR)
+        "off", "caustics of point, spot and directional lights, thrown by smooth glass and mirrors, with photons from "
+        "the lights; in mode path as many photons as camera paths", modes=_PHYSICAL)
+    photons: int = _option(16, "mode pbr: photons per pixel, for "
+                               "caustics", Range(1, MAX_SPP, is_whole=True), modes=_PBR)
     clamp: float = _option(
         0.0, "mode path: maximum luminance of an indirect sample, which removes bright noise but loses light; 0: none",
         Range(0.0, 1e9), modes=_PATH)

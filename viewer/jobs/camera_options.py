@@ -57,8 +57,8 @@ CAMERA_OPTIONS = [
                       "camera looks along -Z. Without a distance the model fills the picture. Default: 30,15. `render` "
                       "accepts several and makes a picture for each."),
     click.option("--view", type=Views(),
-                 help=f"Look from this side: {', '.join(VIEWS)}. left is the left of the front view; iso shows three sides. "
-                      "`render` accepts several, separated by commas, and makes a picture for each."),
+                 help=f"Look from this side: {', '.join(VIEWS)}. left is the left of the front view; iso shows three "
+                      "sides. `render` accepts several, separated by commas, and makes a picture for each."),
     click.option("--ortho", is_flag=True, help="Use an orthographic camera, without perspective. With --eye or a "
                                                "distance, it shows as much as a perspective camera shows at the "
                                                "target."),
