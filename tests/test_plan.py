@@ -115,7 +115,7 @@ def test_without_a_volume_there_is_no_code_of_one():
     alone = plan(Scene("smoke", volumes=(BOX,), lights=(SUN,), environment=ENVIRONMENT))
     assert alone.environment and alone.lights and not alone.shadow_layer_count and not alone.reflections
     told = "\n".join(alone.left_out)
-    assert "all shading of surfaces: there are none" in told
+    assert "all shading of surfaces: the scene has none" in told
     assert not any(words in told for words in ("unlit", "shadows of the environment", "traced reflections"))
     unlit = plan(replace(scene(Material(unlit=True)), volumes=(BOX,)))
     assert "all lighting of surfaces: every surface is unlit" in unlit.left_out

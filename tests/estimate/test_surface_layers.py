@@ -239,14 +239,15 @@ def test_a_picture_without_layers_has_no_program_for_them(context):
     renderer, camera = Renderer(context), orthographic()
     before = renderer.render(model(), camera, viewer.Settings(), SIZE)
     count = len(renderer.programs)
-    assert any("nobody asked" in line for line in renderer.plan.left_out)
+    assert any("(--aov): not requested" in line for line in renderer.plan.left_out)
     renderer.layers(model(), camera, viewer.Settings(), SIZE, ("depth", "instance"))
     assert len(renderer.programs) == count + 1
     again = renderer.render(model(), camera, viewer.Settings(), SIZE)
     np.testing.assert_array_equal(before.linear, again.linear)
     renderer.release()
     layered = viewer.render(model(), SIZE, aov=["depth"]).stats["plan"]
-    assert "surface layers" in layered["passes"] and not any("nobody asked" in line for line in layered["left_out"])
+    assert "surface layers" in layered["passes"]
+    assert not any("(--aov): not requested" in line for line in layered["left_out"])
 
 
 def test_files_of_the_command_line_have_the_layers_and_motion_of_the_next_frame(run, folder):

@@ -60,7 +60,7 @@ def test_without_variants_there_is_no_choice():
     builder.node(mesh=builder.triangle())
     scene = builder.load()
     assert scene.variants == () and scene.with_variant("") is scene
-    with pytest.raises(UsageError, match="no variant 'Day'; there are none"):
+    with pytest.raises(UsageError, match="no variant 'Day'; the file has no variants"):
         scene.with_variant("Day")
 
 
@@ -152,9 +152,9 @@ def test_info_lists_them(run, model):
 
 @pytest.mark.parametrize("options, words", [
     (("--variant", "Dusk"), "a.glb: variants: there is no variant 'Dusk'; there are Day, Night"),
-    (("--scene", "7"), "a.glb: scenes: there is no scene 7; the file has 0, One, counted from 0"),
+    (("--scene", "7"), "a.glb: scenes: there is no scene 7; there are, counted from 0: 0, One"),
     (("--scene", "Two"), "a.glb: scenes: there is no scene 'Two'"),
-    (("--scene", ""), "a.glb: scenes: there is no scene ''; the file has 0, One")])
+    (("--scene", ""), "a.glb: scenes: there is no scene ''; there are, counted from 0: 0, One")])
 def test_what_is_not_there_is_one_line(run, model, options, words):
     outcome = run("info", "a.glb", *options)
     assert outcome.status == 1 and words in outcome.err and outcome.err.count("\n") == 1
@@ -163,6 +163,6 @@ def test_what_is_not_there_is_one_line(run, model, options, words):
 def test_other_formats_have_one_scene_and_no_variants(run, folder):
     (folder / "a.off").write_text("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     assert run("info", "a.off", "--scene", "0").status == 0
-    for options, words in ((("--scene", "1"), "only glTF has several"), (("--variant", "x"), "there are none")):
+    for options, words in ((("--scene", "1"), "only glTF has several"), (("--variant", "x"), "has no variants")):
         outcome = run("info", "a.off", *options)
         assert outcome.status == 1 and words in outcome.err and outcome.err.count("\n") == 1

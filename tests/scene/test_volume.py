@@ -156,7 +156,7 @@ def test_a_volume_that_emits_is_not_black():
     thin = replace(glowing, volume_density=0.0)
     assert picture_warnings(smoky(), thin) == [] == picture_warnings(smoky(), replace(glowing, mode="path"))
     black, missing = picture_warnings(smoky(), replace(thin, mode="path"))
-    assert "will be black" in black and "mode path does not show what volumes emit" in missing
+    assert "will be black" in black and "mode path does not show the emission of volumes" in missing
     assert picture_warnings(smoky(), Settings(mode="path", volume_density=0.0)) == [black]
     black, empty = picture_warnings(smoky(Volume.in_box(np.zeros((2, 2, 2)), BOX)), glowing)
     assert "will be black" in black and empty == "volume 'density' is 0 everywhere: there is nothing to draw"

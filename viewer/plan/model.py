@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .curves import CurvePlan
     from .media import MediaPlan
 
-LAYERS_LEFT_OUT = "the pass for layers (--aov): nobody asked for them"
+LAYERS_LEFT_OUT = "the pass for layers (--aov): not requested"
 """The line of `Plan.left_out` for it."""
 THIN_WALLED, SOLID = 1, 2
 """Values of `Draw.transmits`; 0: opaque."""

@@ -237,48 +237,48 @@ def _left_out(
     if not switches["HAS_LIGHTS"]:
         lines.append("shadow rays and light samples: there are no lights")
     else:
-        lines += [f"code for {what}: there is none" for name, what in _LIGHTS.items() if not switches[name]]
+        lines += [f"{what}: the scene has none" for name, what in _LIGHTS.items() if not switches[name]]
         if (switches["HAS_PUNCTUAL"] or switches["HAS_EMITTERS"]) and not switches["HAS_LIGHT_TREE"]:
-            lines.append(f"{_TREE}: there are few, which their power chooses")
+            lines.append(f"{_TREE}: there are few lights, which are chosen by their power")
     if switches["BACKGROUND"] == 0:
         reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not requested"
         lines.append(f"the environment as background: {reason}")
-    lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
+    lines += [f"{what}: the scene has none" for name, what in _SURFACES.items() if not switches[name]]
     lines += omitted_features(scene, settings)
     lines += unused_maps(scene, geometry)
     lines += [] if photons is None else photons.left_out
     if geometry.depth > geometry.nesting.most:
         most = geometry.nesting.most
-        lines.append(f"{DEEP_GLASS}{geometry.depth} deep, and a path carries {most} of them: inside of more, "
-                     "its light is bent wrongly or lost")
+        lines.append(f"{DEEP_GLASS}{geometry.depth} deep, but a path can be inside {most} at once: inside more, its "
+                     "light is refracted wrongly or lost")
     if geometry.has_grids or geometry.fog is not None:
-        lines.append("resolving pixels once that nothing can be seen in: volumes or fog may be anywhere")
+        lines.append("finishing empty pixels early: volumes or fog may be anywhere")
     if not has_layers:
-        lines.append("the pass for layers (albedo, normal): nobody asked for them")
+        lines.append("the pass for layers (albedo, normal): not requested")
     if not switches["CLAMP"]:
         lines.append("the clamp on indirect light: not requested")
     return lines
 
 
-_TREE = "a tree that chooses lights by where they are"
+_TREE = "a tree that chooses lights by their positions"
 _LIGHTS = {
     "HAS_ENVIRONMENT": "light from an environment",
     "HAS_PUNCTUAL": "light from point, spot or directional lights",
     "HAS_EMITTERS": "light from emissive triangles",
 }
 _SURFACES = {
-    "HAS_TEXTURES": "texture fetches",
+    "HAS_TEXTURES": "textures",
     "HAS_NORMAL_MAP": "normal maps",
     "HAS_COLOR": "vertex colours",
-    "HAS_SEE_THROUGH": "code for what alpha leaves open",
+    "HAS_SEE_THROUGH": "transparency by alpha",
     "HAS_PANES": "shadow rays through thin smooth panes",
     "HAS_NESTED": "solids of glass that touch or overlap",
-    "HAS_UNLIT": "code for unlit materials",
+    "HAS_UNLIT": "unlit materials",
     "HAS_VOLUME": "absorption in volumes",
     "HAS_SCATTERING": "scattering in volumes",
-    "HAS_GRIDS": "grids of densities",
+    "HAS_GRIDS": "volumes (grids of densities)",
     "HAS_FOG": "fog",
-    "HAS_CURVES": "fibres",
-    "HAS_DROPLETS": "droplets",
-    "HAS_CAUSTIC_GUIDE": "a guide to the lamps that smooth bodies may show rough surfaces",
+    "HAS_CURVES": "curves",
+    "HAS_DROPLETS": "droplets of water as scatterers",
+    "HAS_CAUSTIC_GUIDE": "a guide to caustics of lamps",
 }

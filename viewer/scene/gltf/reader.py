@@ -153,7 +153,7 @@ class _Reader:
             index = wanted
         else:
             known = ", ".join(name or str(k) for k, name in enumerate(names)) or "none"
-            raise self.root.error(f"there is no scene {wanted!r}; choose from {known}", "scenes")
+            raise self.root.error(f"there is no scene {wanted!r}; there are, counted from 0: {known}", "scenes")
         scene = scenes[index]
         roots = scene.indices("nodes", len(self.nodes.items))
         return scene.string("name", ""), self.nodes.reachable(roots, scene)
