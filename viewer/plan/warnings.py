@@ -62,7 +62,7 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
             count = mean_collisions(volume, volume_medium(settings))
             if count > MANY_COLLISIONS:
                 lines.append(f"volume {volume.name!r} is so dense, and absorbs so little, that a path may collide "
-                             f"{count:.0f} times in it: the picture takes long")
+                             f"up to {count:.0f} times in it: the picture takes long")
     for name, is_there in (("volume", bool(scene.volumes)), ("fog", settings.fog > 0)):
         if is_there and getattr(settings, f"{name}_droplets") > 0 and getattr(settings, f"{name}_g") != 0:
             lines.append(f"{name}_g has no effect together with {name}_droplets, which replaces its phase function")
