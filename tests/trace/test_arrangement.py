@@ -57,7 +57,7 @@ def test_each_path_keeps_its_home(context, seed, height):
         classes = np.where(alive, rng.integers(0, NO_KIND + 1, len(shown)), CLASS_OF_IDLE).astype(np.uint8)
         order = np.argsort(classes, kind="stable")
         blocks_alive = np.unique(block_of[shown[alive]])
-        arrangement.sort(classes, order)
+        arrangement.sort(classes)
         ended, row = classes[order] == NO_KIND, np.arange(len(order)) // width
         first, rows = arrangement.ended_rows
         assert ((row[ended] >= first) & (row[ended] < first + rows)).all()

@@ -56,9 +56,10 @@ class Arrangement:
         """The homes of the paths in so many rows of the present state."""
         return self._home[row * self._size[0]:(row + rows) * self._size[0]]
 
-    def sort(self, classes: NDArray[np.uint8], order: NDArray[np.intp]) -> None:
-        """Let the next state have the present paths of the first rows, one for each of `classes`, in their `order`
-        (`viewer.trace.rays.intersect.Answer`)."""
+    def sort(self, classes: NDArray[np.uint8]) -> None:
+        """Let the next state have the present paths of the first rows in the order of their `classes`
+        (`viewer.trace.rays.intersect.Answer`), those of one class in their own."""
+        order = np.argsort(classes, kind="stable")
         counts = np.bincount(classes, minlength=CLASS_OF_IDLE + 1)
         self._write("u_source", self._texels[order])
         self._next = self._home[order]

@@ -161,7 +161,7 @@ class Wavefront:
         """Arrange the next state by the classes of the paths, and draw of it only the rows whose paths are not
         idle."""
         assert self.arrangement is not None and self.gathered is not None
-        self.arrangement.sort(answer.classes, answer.order)
+        self.arrangement.sort(answer.classes)
         self.gathered.begin()
         area = 0, 0, self.size[0], self.arrangement.next_rows
         for target in (self.classes, self.next, self.next_origin, self.gathered.finished):

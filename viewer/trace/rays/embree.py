@@ -90,14 +90,14 @@ class EmbreeIntersector:
         """Embree lets Python's other threads run. But OpenGL, which see-through surfaces need, belongs to this thread,
         which then waits for the rays, and curves have tasks of their own."""
         if self._coverage is not None or self._curves is not None or rays.count <= TASK:
-            answer = Answer.joined([self._trace(rays.part(0, rays.count))])
+            answer = self._trace(rays.part(0, rays.count))
             self._spare.append(rays)
             return lambda: answer
         parts = [rays.part(first, first + TASK) for first in range(0, rays.count, TASK)]
-        joined = in_other_threads(self._trace, parts, Answer.joined)
+        traced = in_other_threads(self._trace, parts)
 
         def finish() -> Answer:
-            answer = joined()
+            answer = Answer.joined(traced())
             self._spare.append(rays)
             return answer
 

@@ -77,19 +77,16 @@ class Answer:
     classes: Any = None
     """(paths,) uint8, of an intersector that tells them: equal where paths are probably shaded by the same pass,
     NO_KIND of those that have ended or whose ray meets nothing, CLASS_OF_IDLE of idle ones."""
-    order: Any = None
-    """(paths,) integers, with `classes`: the paths in the order of their classes, those of one class in their own."""
 
     @staticmethod
     def joined(parts: Sequence[Answer]) -> Answer:
-        """One answer of those for parts of a wavefront, which have all but the order, and perhaps `along`."""
+        """One answer of those for parts of a wavefront, in memory."""
         def rows(name: str) -> Any:
             arrays = [getattr(part, name) for part in parts]
             return arrays[0] if arrays[0] is None or len(arrays) == 1 else np.concatenate(arrays)
 
-        classes = rows("classes")
         return Answer(sum(part.alive or 0 for part in parts), sum(part.rays or 0 for part in parts),
-                      rows("hits"), rows("along"), classes, np.argsort(classes, kind="stable"))
+                      rows("hits"), rows("along"), rows("classes"))
 
 
 class Surfaces(Protocol):

@@ -12,7 +12,6 @@ from ...base.cores import core_count
 
 T = TypeVar("T")
 Found = TypeVar("Found")
-Joined = TypeVar("Joined")
 
 
 @cache
@@ -25,26 +24,21 @@ def ray_threads() -> ThreadPoolExecutor:
 os.register_at_fork(after_in_child=ray_threads.cache_clear)  # a fork has none of its parent's threads, and would wait
 
 
-def in_other_threads(trace: Callable[[T], Found], parts: Iterable[T],
-                     join: Callable[[list[Found]], Joined]) -> Callable[[], Joined]:
-    """Begin to call `trace` for each of `parts`, and `join` with what it finds, in their order. The result waits for
-    that."""
+def in_other_threads(trace: Callable[[T], Found], parts: Iterable[T]) -> Callable[[], list[Found]]:
+    """Begin to call `trace` for each of `parts`. The result waits for what it finds, in their order."""
     tasks = [ray_threads().submit(trace, part) for part in parts]
-    last = ray_threads().submit(lambda: join([task.result() for task in tasks]))  # tasks begin in their order
 
-    def finish() -> Joined:
+    def finish() -> list[Found]:
         try:
-            return last.result()
+            return [task.result() for task in tasks]
         finally:  # after Ctrl-C, too, whoever catches it may release the scene, and no thread may read it then
             for task in tasks:
                 task.cancel()
-            last.cancel()
             wait(tasks)
-            wait([last])
 
     return finish
 
 
 def in_threads(trace: Callable[[T], Found], parts: Sequence[T]) -> list[Found]:
     """What `trace` finds for each of `parts`; without another thread if there is but one."""
-    return [trace(part) for part in parts] if len(parts) < 2 else in_other_threads(trace, parts, list)()
+    return [trace(part) for part in parts] if len(parts) < 2 else in_other_threads(trace, parts)()
