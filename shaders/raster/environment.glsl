@@ -1,26 +1,15 @@
 // The environment as a surface sees it: rotated about +Y and scaled. Its suns are left out; they are lights of their
 // own.
+#include "light/environment_rotation.glsl"
 #include "light/irradiance.glsl"
 
 uniform float u_environment_intensity;
-#if ENVIRONMENT_ROTATED
-uniform vec2 u_environment_rotation; // cosine, sine
-#endif
 uniform sampler2D u_irradiance;
 #if REFLECTS
 #include "light/prefiltered.glsl"
 
 uniform sampler2D u_prefiltered;
 #endif
-
-vec3 to_environment(vec3 d) {
-#if ENVIRONMENT_ROTATED
-    float c = u_environment_rotation.x, s = u_environment_rotation.y;
-    return vec3(c * d.x - s * d.z, d.y, s * d.x + c * d.z);
-#else
-    return d;
-#endif
-}
 
 vec3 environment_irradiance_over_pi(vec3 n) {
     return u_environment_intensity * irradiance_over_pi(u_irradiance, to_environment(n));

@@ -11,7 +11,7 @@ uniform vec3 u_background_shape;
 
 vec3 background_radiance(vec3 d) {
 #if BACKGROUND == 2
-    vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
+    vec2 uv = precise_equirect_uv(to_environment(d));
     return bspline(u_background, u_background_shape, uv) * u_environment_intensity;
 #else
     return environment_radiance(d);

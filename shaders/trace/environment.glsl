@@ -2,6 +2,7 @@
 // HAS_ENVIRONMENT, ENVIRONMENT_ROTATED
 #if HAS_ENVIRONMENT
 #include "light/bilinear.glsl"
+#include "light/environment_rotation.glsl"
 #include "trace/equirect.glsl"
 
 uniform sampler2D u_environment;
@@ -9,32 +10,28 @@ uniform usampler2D u_environment_table; // for each cell: threshold, column and 
 uniform vec2 u_environment_cell;        // size of a cell in texture coordinates; the last may be cut off at 1
 uniform float u_environment_intensity;
 uniform float u_environment_share;      // of all light samples
-#if ENVIRONMENT_ROTATED
-uniform vec2 u_environment_rotation;    // cosine, sine
-#endif
-
-// Rotates a direction about +Y, as raster/environment.glsl does: from the world to the map with `sense` 1, back with
-// -1.
-vec3 turn_environment(vec3 d, float sense) {
-#if ENVIRONMENT_ROTATED
-    float c = u_environment_rotation.x, s = sense * u_environment_rotation.y;
-    return vec3(c * d.x - s * d.z, d.y, s * d.x + c * d.z);
-#else
-    return d;
-#endif
-}
 
 vec3 environment_radiance(vec3 d) {
-    vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
+    vec2 uv = precise_equirect_uv(to_environment(d));
     return bilinear(u_environment, uv) * u_environment_intensity;
 }
 
 // Density by solid angle with which sample_light chooses the direction d
 float environment_pdf(vec3 d) {
-    vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
+    vec2 uv = precise_equirect_uv(to_environment(d));
     ivec2 cells = textureSize(u_environment_table, 0);
     ivec2 cell = clamp(ivec2(uv / u_environment_cell), ivec2(0), cells - 1);
     return u_environment_share * uintBitsToFloat(texelFetch(u_environment_table, cell, 0).z);
+}
+
+// The reverse of to_environment
+vec3 from_environment(vec3 d) {
+#if ENVIRONMENT_ROTATED
+    float c = u_environment_rotation.x, s = u_environment_rotation.y;
+    return vec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x);
+#else
+    return d;
+#endif
 }
 
 // Samples a direction. u.xy choose a cell uniformly, and u.z decides between the cell and its alias. The fractions of
@@ -61,7 +58,7 @@ vec3 sample_environment(vec3 u, out float pdf) {
     float w = mix(edges.x * edges.x, edges.y * edges.y, inside.y);
     float sin_theta = 2.0 * sqrt(w * (1.0 - w));
     float cos_theta = is_south ? 2.0 * w - 1.0 : 1.0 - 2.0 * w;
-    return turn_environment(vec3(sin_theta * cos(phi), cos_theta, sin_theta * sin(phi)), -1.0);
+    return from_environment(vec3(sin_theta * cos(phi), cos_theta, sin_theta * sin(phi)));
 }
 #else
 vec3 environment_radiance(vec3 d) {

@@ -54,7 +54,7 @@ MUTATIONS = [
     Mutation("environment mirrored", "light/equirect.glsl", "vec2(0.5 + turns(d.z, d.x)", "vec2(0.5 - turns(d.z, d.x)"),
     Mutation("environment upside down", "light/equirect.glsl", "return y < 0.0 ? 1.0 - c : c;",
              "return y < 0.0 ? c : 1.0 - c;"),
-    Mutation("environment's rotation reversed", "raster/environment.glsl",
+    Mutation("environment's rotation reversed", "light/environment_rotation.glsl",
              "s = u_environment_rotation.y;", "s = -u_environment_rotation.y;"),
     Mutation("reflection at the wrong roughness", "raster/shade_environment.glsl",
              "vec3 d = reflected_direction(p, n, lookup.x);",
