@@ -1,6 +1,7 @@
 """Numbers that Python and the path tracer's GLSL share: how hits, wavefronts and the scene buffer are laid out.
 
-They are defined here only. GLSL gets each of them as a define (viewer/trace/defines.py).
+They are defined here only. GLSL gets each of them as a define (viewer/trace/defines.py), but for those that are
+unsigned there: INSTANCE_MASK, FREE, MISS and LIGHT_LEAF.
 """
 
 from __future__ import annotations
@@ -92,7 +93,7 @@ GUIDE_PLACES, GUIDE_CELLS, GUIDE_STEPS = 32, 16, 1 << 16
 """Places around a caster along each side of their square, cells along each side of the square about the disk that it
 shows, and steps of their shares (viewer/trace/scene/caustic_guide.py)."""
 
-SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN, PANE = 1, 2, 4, 8, 16, 32
+FLAG_SEE_THROUGH, FLAG_MIRRORED, FLAG_DOUBLE_SIDED, FLAG_UNLIT, FLAG_THIN, FLAG_PANE = 1, 2, 4, 8, 16, 32
 """Bits of an instance's flags."""
 
 MAP_TEXELS = 3
@@ -101,7 +102,8 @@ MAP_TEXELS = 3
 One has the page in the atlas (x | y << 16, width | height << 16) and the flags; two have the rows of the matrix that
 transforms texture coordinates.
 """
-WRAPS = {"repeat": 0, "clamp": 1, "mirror": 2}
+WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR = range(3)
+WRAPS = {"repeat": WRAP_REPEAT, "clamp": WRAP_CLAMP, "mirror": WRAP_MIRROR}
 MAP_WRAP_BITS = 2
 """The lowest bits of a map's flags are the wrap mode along s, the next ones that along t."""
 MAP_NEAREST, MAP_SECOND_UV, MAP_TRANSFORMED = 1 << 4, 1 << 5, 1 << 6

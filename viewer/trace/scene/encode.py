@@ -14,13 +14,13 @@ from ...scene.scene import Scene
 from ...scene.schema import MAPS, PATH_TRACED, SWITCHED
 from ...scene.texture_image import TextureImage
 from ..layout import (
-    DOUBLE_SIDED,
+    FLAG_DOUBLE_SIDED,
+    FLAG_MIRRORED,
+    FLAG_PANE,
+    FLAG_SEE_THROUGH,
+    FLAG_THIN,
+    FLAG_UNLIT,
     INSTANCE_TEXELS,
-    MIRRORED,
-    PANE,
-    SEE_THROUGH,
-    THIN,
-    UNLIT,
     vertex_layout,
 )
 from .atlas import Page
@@ -167,9 +167,9 @@ def add_materials(
 
 def _flags(instance: TraceInstance, geometry: TraceGeometry) -> int:
     material = geometry.materials[instance.material]
-    return (SEE_THROUGH * instance.see_through | MIRRORED * instance.is_mirrored
-            | DOUBLE_SIDED * material.material.double_sided | UNLIT * material.material.unlit
-            | THIN * material.is_thin | PANE * material.is_pane)
+    return (FLAG_SEE_THROUGH * instance.see_through | FLAG_MIRRORED * instance.is_mirrored
+            | FLAG_DOUBLE_SIDED * material.material.double_sided | FLAG_UNLIT * material.material.unlit
+            | FLAG_THIN * material.is_thin | FLAG_PANE * material.is_pane)
 
 
 def _fill_vertices(
