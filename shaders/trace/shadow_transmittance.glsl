@@ -10,8 +10,6 @@
 #include "trace/pane.glsl"
 #endif
 
-const int MOST_LAYERS = 64; // as MAX_LAYERS of viewer/trace/rays/see_through.py
-
 #if HAS_SCATTERING
 // Transmittance of the medium between two places of a ray, in tracer units from its origin; d: unit length
 vec3 transmittance_between(int nesting, vec3 o, vec3 d, float from, float to) {
@@ -25,7 +23,7 @@ vec3 shadow_transmittance(vec3 o, vec3 vector, int nesting) {
     vec3 transmitted = vec3(1.0);
     float size = length(vector), t = 0.0;
     vec3 d = vector / size;
-    for (int k = 0; k < MOST_LAYERS; ++k) {
+    for (int k = 0; k < MAX_LAYERS; ++k) {
         Found found;
         bool is_hit = traverse(k == 0 ? o : o + t * d, vector, SHADOW_REACH - t / size, true, found);
         if (is_hit && !takes_part(found)) return vec3(0.0);

@@ -69,11 +69,10 @@ vec3 facing_of(Path p) {
 }
 
 const int STEP_BITS = HAS_SCATTERING == 1 ? 13 : 6;
-const int LEFT_BITS = 10;
 
-// depth < 2^8, left < 2^10. With few steps the counters are a whole number below 2^24, which is exact in float32. With
-// more they are the bits of a float: the exponent is seven bits of the depth and 1, so that it is never that of 0 or of
-// infinity, and the sign is the eighth.
+// depth < 2^8, left < 2^LEFT_BITS. With few steps the counters are a whole number below 2^24, which is exact in
+// float32. With more they are the bits of a float: the exponent is seven bits of the depth and 1, so that it is never
+// that of 0 or of infinity, and the sign is the eighth.
 float pack_counters(int depth, int steps, int left) {
     int rest = (steps & ((1 << STEP_BITS) - 1)) << LEFT_BITS | left;
 #if HAS_SCATTERING

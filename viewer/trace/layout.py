@@ -25,6 +25,12 @@ it gets to a surface; or it collects light that is scattered on its way there, b
 a camera ray that hits no surface may collide.
 """
 
+LEFT_BITS = 10
+"""Bits of the number of samples that a path has left (shaders/trace/state.glsl)."""
+
+MAX_LAYERS = 64
+"""A shadow ray that has passed this many surfaces counts as occluded."""
+
 NO_KIND = 7
 """The kind of surface in the hit of a ray that missed; see viewer/trace/kinds.py."""
 

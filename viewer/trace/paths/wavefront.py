@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...gpu.context import Context
 from ...gpu.float_depth import float_depth_renderbuffer
 from ...gpu.float_target import float_target
-from ..layout import TILE
+from ..layout import LEFT_BITS, TILE
 from ..rays.intersect import Answer
 from .arrangement import UNITS as ARRANGED
 from .arrangement import Arrangement
@@ -36,8 +36,8 @@ SECOND = 1 << 23
 """Number of the first sample of the second part of a film."""
 
 
-MOST_SAMPLES = 1023
-"""Of a work item, see `LEFT_BITS` of shaders/trace/state.glsl."""
+MOST_SAMPLES = (1 << LEFT_BITS) - 1
+"""Of a work item."""
 
 
 class Work(NamedTuple):

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
-from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, KIND_SHIFT, MISS, NO_KIND
+from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, KIND_SHIFT, MAX_LAYERS, MISS, NO_KIND
 from .embree_curves import EmbreeCurves
 from .embree_triangles import TASK, EmbreeTriangles
 from .intersect import CLASS_OF_IDLE, SHADOW_REACH, Answer, Surfaces, WavefrontTextures
-from .see_through import MAX_LAYERS, SeeThrough
+from .see_through import SeeThrough
 from .shadow_media import ShadowMedia, instances_of, is_boundary, offset_origin
 from .threads import in_other_threads
 

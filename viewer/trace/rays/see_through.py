@@ -13,9 +13,6 @@ from ...gpu.programs import set_uniform
 from ..defines import surface_defines
 from .intersect import Surfaces
 
-MAX_LAYERS = 64
-"""A shadow ray that has passed this many surfaces counts as occluded."""
-
 HITS_UNIT = 15
 """The texture unit of the list. The units below are for the textures of the surfaces."""
 
