@@ -98,7 +98,7 @@ def test_without_fog_there_is_no_pass_and_no_code_of_it():
     assert "media" not in code(found) and "haze" not in code(found)
     assert "media" not in found.to_json()["passes"] and "fog: there is none" in found.left_out
     assert "media" in foggy.to_json()["passes"] and "seen_in_media" in code(foggy)
-    assert "fog, marched along rays; light scattered in it many times, by a diffusion equation" in foggy.used
+    assert "fog, by ray marching; multiple scattering by a diffusion equation" in foggy.used
     assert not foggy.programs[0]["FOG_HEIGHT"] and plan(model, fog=0.5, fog_height=2.0).programs[0]["FOG_HEIGHT"]
     for name, value in {"fog_albedo": (0.5, 0.5, 0.5), "fog_g": 0.5, "fog_height": 1.0, "media_steps": "224"}.items():
         assert plan(model, **{name: value}).programs == found.programs

@@ -241,16 +241,16 @@ def test_a_target_is_reached_and_no_more(make):
 
 def test_a_target_with_too_little_time(make):
     _, choice = make(Machine(), error=0.001, time_budget=3)
-    assert choice.unmet == "the error asked for was not reached" and 2 < choice.seconds < 3.3
+    assert choice.unmet == "the requested error was not reached" and 2 < choice.seconds < 3.3
     _, choice = make(Machine(), error=0.01, time_budget=0.6)
-    assert choice.unmet == "whether that error is met is not known: there was no time to trace paths"
+    assert choice.unmet == "it is not known whether the error is met: there was no time to trace paths"
 
 
 def test_a_budget_that_is_not_kept_is_told_with_the_reason(make):
     _, choice = make(Machine(), time_budget=0.05)
-    assert choice.unmet == "nothing is ready within 0.05 s here, preparing the scene included"
+    assert choice.unmet == "no picture can be ready within 0.05 s here, since the scene has to be prepared"
     _, choice = make(Machine(surprise=3.0), time_budget=3)
-    assert choice.unmet == "it took longer than was foreseen" and choice.ready < 3
+    assert choice.unmet == "it took longer than estimated" and choice.ready < 3
 
 
 def test_where_a_setting_leaves_the_raster_alone_paths_only_judge(make):
@@ -258,7 +258,7 @@ def test_where_a_setting_leaves_the_raster_alone_paths_only_judge(make):
     assert choice.samples is None and choice.told is not None and "spp" not in image.stats
     assert image.stats["estimated_error"]["notes"] == ["shadows=off leaves out light, which counts as error"]
     _, choice = make(Machine(), error=0.01, shadows="off")
-    assert choice.unmet == "the error asked for was not reached" and "SSAA 9" in choice.method
+    assert choice.unmet == "the requested error was not reached" and "SSAA 9" in choice.method
 
 
 @pytest.mark.parametrize("looks, is_mixed", [(1, False), (4, False), (60, True)])

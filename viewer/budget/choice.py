@@ -49,11 +49,11 @@ class Choice:
         """What was asked for and could not be had; "": all could."""
         if self.budget is not None and self.seconds > TOLERANCE * self.budget:
             if self.ready is not None and self.ready <= TOLERANCE * self.budget:
-                return "it took longer than was foreseen"
-            return f"nothing is ready within {self.budget:g} s here, preparing the scene included"
+                return "it took longer than estimated"
+            return f"no picture can be ready within {self.budget:g} s here, since the scene has to be prepared"
         if self.target is not None and (self.reached is None or self.reached > self.target):
-            return "the error asked for was not reached" if self.reached is not None else \
-                "whether that error is met is not known: there was no time to trace paths"
+            return "the requested error was not reached" if self.reached is not None else \
+                "it is not known whether the error is met: there was no time to trace paths"
         return "" if self.unfinished is None else f"{self.unfinished}: no time for enough samples"
 
     def to_json(self) -> dict[str, Any]:

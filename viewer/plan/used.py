@@ -32,8 +32,8 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
         lines.append("ambient occlusion, from the depth buffer")
     elif plan.has_visibility:
         lines.append(f"shadows of the environment, from {counted(plan.environment_shadows, 'light')} sampled from it"
-                     + "; what hides one reflects as the mean of all surfaces" * plan.estimates_indirect
-                     + "; glass tints them" * plan.tints_sky)
+                     + "; surfaces that block one reflect the mean colour of all" * plan.estimates_indirect
+                     + "; glass colours them" * plan.tints_sky)
     if plan.has_traced_reflections:
         lines.append("traced reflections of the model: rays from each shaded point, lit by light baked at the vertices")
     if plan.has_traced_refraction:
@@ -42,11 +42,11 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
         lines.append("indirect light, path traced once at the vertices")
     if plan.media is not None:
         media = ["fog"] * plan.media.has_fog + [counted(plan.media.volumes, "volume")] * (plan.media.volumes > 0)
-        lines.append(" and ".join(media) + ", marched along rays"
-                     + "; light scattered in it many times, by a diffusion equation" * plan.media.scatters_again)
+        lines.append(" and ".join(media) + ", by ray marching"
+                     + "; multiple scattering by a diffusion equation" * plan.media.scatters_again)
     inside = sum(plan.count(draw) * draw.has_subsurface for draw in plan.kinds)
     if inside:
-        lines.append(f"light scattered inside of {counted(inside, 'solid')}, by the thickness behind each point"
+        lines.append(f"subsurface scattering in {counted(inside, 'solid')}, by the thickness behind each point"
                      + ", and spread over the surface in screen space" * plan.spreads_subsurface)
     if plan.curves is not None:
         shown = "strips that face the camera" if not plan.curves.are_yarns else (
