@@ -244,7 +244,7 @@ def test_only_scenes_with_scattering_solids_have_the_pass(renderer, radiance):
             assert not any("SUBSURFACE" in program["on"] for program in plan["programs"])
     radiance(ball(filled(5.0)), CAMERA, SIZE)
     plan = renderer.plan.to_json()
-    assert "subsurface" in plan["passes"] and any("scattered inside of 1 solid" in line for line in plan["used"])
+    assert "subsurface" in plan["passes"] and any("subsurface scattering in 1 solid" in line for line in plan["used"])
 
 
 @pytest.mark.parametrize("perceptual_roughness", [0.0, 0.6])

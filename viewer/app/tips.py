@@ -24,8 +24,8 @@ TIPS = {
     "Phong | PBR": "Both, left and right of a line that can be dragged.",
     "PBR | Path-traced": "Both, left and right of a line that can be dragged.",
     "Show": "The shaded picture, or a view for teaching and debugging: docs/views.md says what its colours mean.",
-    "Quality at rest": "A trade-off between error and time, for pictures that do not move. `pbr-viewer report` measures it "
-                       "on this device.",
+    "Quality at rest": "A trade-off between error and time, for pictures that do not move. `pbr-viewer report` "
+                       "measures it on this device.",
     "White furnace": "Uniform light on surfaces that absorb nothing: those that lose no light are invisible.",
     "Tell the error, at rest": "How far this picture is from the truth, measured with additional path-traced samples.",
     "Show where": "Where this picture is wrong: black is correct, pale is an error of 100 % or more.",
