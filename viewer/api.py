@@ -36,13 +36,14 @@ def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "s
          scene: int | str | None = None, variant: str | None = None, up: str = "y") -> Scene:
     """Load a model file as a scene, lit by an environment.
 
-    `environment` is an HDR or EXR file, the name of a built-in environment (studio, sky, furnace) or None. Of a glTF
-    file, `scene` selects one of its scenes, by number or name, and `variant` one of its choices of materials
-    (KHR_materials_variants; `Scene.variants` lists them, and `Scene.with_variant` chooses another). `up` is the axis of
-    the file that points upwards, x, y, z, -x, -y or -z: the scene is turned so that this is +Y. The scene's
-    `all_warnings` list what of the file is not supported. Raises InputError for a file that cannot be used. The pixels
-    of an environment are decoded when they are first needed, so `render` may raise its InputError. Raises UsageError
-    for an argument that is not a path.
+    `environment` is an HDR or EXR file, the name of a built-in environment (studio, sky, furnace) or None. For a glTF
+    file, `scene` selects one of its scenes, by number or name, and `variant` selects one of its material variants
+    (KHR_materials_variants; `Scene.variants` lists them, and `Scene.with_variant` selects another). `up` is the axis of
+    the file that points upwards, x, y, z, -x, -y or -z: the scene is turned so that this axis becomes +Y. The scene's
+    `all_warnings` list the parts of the file that are not supported.
+
+    Raises InputError for a file that cannot be used. The pixels of an environment are decoded when they are first
+    needed, so `render` may raise its InputError. Raises UsageError for an argument that is not a path.
     """
     from .scene.environment_files import load_environment
     from .scene.load import load_scene
@@ -59,7 +60,7 @@ def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "s
 
 
 def join(scene: Scene, *others: Scene) -> Scene:
-    """`scene` with all that is in `others`, models and volumes, in the same world coordinates.
+    """`scene` together with the models and volumes of `others`, in the same coordinate system.
 
     The environment, the animations and the variants are those of `scene`; animations of `others` are not played.
     """
@@ -87,30 +88,31 @@ def render(
 ) -> Image:
     """Render a picture of `scene`; `size` is (width, height) in pixels.
 
-    With a `time` in seconds the scene is shown as an animation moves it: the first one, or the one of this name or
-    number (`Scene.at`); a scene without animations stands still. By default a camera that frames the scene is used.
-    `settings` are fields of `viewer.Settings`, for instance ``mode="phong", exposure=1.0, background="#336699"`` or
-    ``mode="path", spp=256``. `backend` is auto, egl, osmesa or window (a hidden window). With a `time_budget` or
-    `error` and without `mode`, both renderers make the best picture in that time, or one with that error
-    (docs/budget.md); `Image.stats` tells how it came about, and its error.
+    By default the camera frames the scene. `time`, in seconds, shows the scene at this time of an animation: of the
+    first one, or of the one with this name or number (`Scene.at`). A scene without animations does not change.
+    `settings` are fields of `viewer.Settings`, for example ``mode="phong", exposure=1.0, background="#336699"`` or
+    ``mode="path", spp=256``. `backend` is auto, egl, osmesa or window (a hidden window).
 
-    `aov` selects layers to add to `Image.layers`, numbers of each pixel: albedo, normal, depth, position, instance,
-    material, motion, uv, and in mode path variance and samples (docs/layers.md). Motion leads to what is shown
-    1 / `fps` seconds later, by the `next_camera` if there is one; nothing but the camera moves without a `time`.
+    With `time_budget` or `error`, and without `mode`, both renderers make the best picture in that time, or one with
+    at most that error (docs/budget.md). `Image.stats` says how it was made, and has its error.
 
-    In mode pbr `quality` is draft, standard or high, a named point of the front of error against time
-    (docs/quality.md), which leaves the given `settings` as they are. The default, auto, is standard, with 64 or else 16
-    lights of the environment, where a new process is foreseen to load the scene and draw it within twice the time that
-    it takes with draft; else draft. This follows from the scene and `size` alone. Further pictures of a scene take
-    more than twice a draft's time: for many, name draft.
+    `aov` selects layers with numbers for each pixel, which are added to `Image.layers`: albedo, normal, depth,
+    position, instance, material, motion, uv, and in mode path variance and samples (docs/layers.md). Motion is to the
+    picture 1 / `fps` seconds later, seen from `next_camera` if it is given. Without `time`, only the camera moves.
 
-    With `tell_error`, seconds of path tracing, `Image.stats["estimated_error"]` says how far a picture of another mode
-    is from the truth (docs/tell-error.md), and the layer "error" where.
+    In mode pbr, `quality` is draft, standard or high, which trade time against error (docs/quality.md); given
+    `settings` keep their values. The default, auto, is standard, with 64 or otherwise 16 lights of the environment, if
+    a new process is estimated to load and draw the scene in at most twice the time of a draft. Otherwise it is draft.
+    The choice depends only on the scene and `size`. Further pictures of the same scene take more than twice the time
+    of a draft: for many pictures, use draft.
 
-    A texture that cannot be decoded is left out, with a UserWarning. Others say that the picture will be black
-    because nothing lights the scene, which settings have no effect on it, and how many samples mode path has left
-    out. Raises UsageError for arguments of the wrong type, an invalid size or a setting that does not exist,
-    InputError for an environment that cannot be decoded, and ContextError if there is no OpenGL.
+    With `tell_error`, a number of seconds of path tracing, `Image.stats["estimated_error"]` has the error of a picture
+    of mode pbr or phong (docs/tell-error.md), and the layer "error" shows where it is wrong.
+
+    A texture that cannot be decoded is left out, with a UserWarning. Other warnings say that the picture will be black
+    because nothing lights the scene, that settings have no effect on it, and that mode path has left out samples.
+    Raises UsageError for arguments of the wrong type, an invalid size or a setting that does not exist, InputError for
+    an environment that cannot be decoded, and ContextError if there is no OpenGL.
     """
     from .plan.unused import unused_settings
     from .plan.warnings import camera_warnings, picture_warnings, sample_warnings

@@ -28,16 +28,17 @@ class Camera(HoldsArrays):
     """A rigid pose and a projection.
 
     `pose` (4, 4) float64 takes camera space to world space and contains only rotation and translation, for columns: the
-    eye is `pose[:3, 3]`. A UsageError says if it mirrors, scales or is that of rows. `fov_y` is the
+    eye is `pose[:3, 3]`. A pose that mirrors, scales or is transposed raises UsageError. `fov_y` is the
     vertical field of view in radians. If `height` is given, the camera is orthographic and shows `height` world units
     from bottom to top. `near`, in world units, is the nearest distance that has to be visible. It is used only if
-    OpenGL cannot reverse depth (viewer/raster/depth.py): near things are then cut off so that far ones can be
-    distinguished.
+    OpenGL cannot reverse depth (viewer/raster/depth.py): surfaces closer than `near` are then clipped, so that distant
+    ones can be distinguished.
 
     `principal` is the principal point, where the view axis crosses the picture, in widths from its left side and
     heights from its top; it may lie outside of the picture. `pixel_aspect` is the width of a pixel over its height.
-    `fov_y` is then that of a picture of the same height with the principal point in the middle. None of these depends
-    on the size of the picture; `from_intrinsics` and `intrinsics` convert from and to focal lengths in pixels.
+    `fov_y` is then the field of view of a picture of the same height with the principal point at its centre. None of
+    these depends on the size of the picture; `from_intrinsics` and `intrinsics` convert from and to focal lengths in
+    pixels.
     """
 
     pose: np.ndarray
@@ -97,7 +98,7 @@ class Camera(HoldsArrays):
     @classmethod
     def from_intrinsics(cls, pose: ArrayLike, fx: float, fy: float, cx: float, cy: float, size: tuple[int, int],
                         name: str = "") -> Camera:
-        """A perspective camera from what calibrations tell: focal lengths `fx`, `fy` and the principal point `cx`,
+        """A calibrated perspective camera: focal lengths `fx`, `fy` and the principal point `cx`,
         `cy`, in pixels of a picture of `size` (width, height).
 
         (0, 0) is the corner of the upper left pixel; the middle of the picture is at (width / 2, height / 2). `pose`
@@ -121,7 +122,7 @@ class Camera(HoldsArrays):
         return fy / self.pixel_aspect, fy, self.principal[0] * width, self.principal[1] * height
 
     def orthographic(self, depth: float) -> Camera:
-        """This camera without perspective. It shows as much as before of what is `depth` in front of the eye."""
+        """This camera without perspective. At the distance `depth` from the eye it shows as much as before."""
         expect(depth, Real, "depth", "a number")
         if not 0 < depth < math.inf:
             raise UsageError(f"depth={depth:g}: it must be a length in front of the eye")

@@ -225,8 +225,8 @@ def _matrix(element: Element, key: str) -> list[list[float]]:
 def read_cameras(path: str | PathLike[str], size: tuple[int, int] = (1280, 720)) -> tuple[CameraFrame, ...]:
     """The cameras of a transforms.json, as nerfstudio and instant-ngp have it, with sizes and files of their pictures.
 
-    `size` (width, height) is that of pictures where the file does not say it. A UserWarning says that lenses distort,
-    which is not drawn. Raises InputError for a file that cannot be read, without frames, or with one that is no camera.
+    `size` (width, height) is used for pictures whose size the file does not give. A UserWarning says that lens
+    distortion is not drawn. Raises InputError for a file that cannot be read, or has no frames or invalid ones.
     """
     expect_path(path, "path")
     frames, lines = read_camera_file(path, size)

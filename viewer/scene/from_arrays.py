@@ -29,17 +29,18 @@ def make_scene(vertices: Any, faces: ArrayLike | None = None, *, normals: ArrayL
     """A scene of one mesh, or of a `trimesh.Trimesh`, `PointCloud` or `Scene` in place of `vertices`.
 
     `vertices` (N, 3) are positions, and `faces` (M, 3) the numbers of the corners of triangles, counter-clockwise seen
-    from outside; without faces the vertices are points. `normals` (N, 3) may have any length; without them edges are
-    smooth that are not sharp. `uvs` (N, 2) are texture coordinates, v upwards as in OBJ. `colors` are of vertices,
-    (N, 3 or 4), or of faces, (M, 3 or 4): sRGB where they are uint8 or uint16, linear and from 0 to 1 where they are
-    floats. Arrays may have any type of numbers, and be lists. `material` is by default a grey one, or white under
+    from outside; without faces the vertices are points. `normals` (N, 3) may have any length; without them, normals are
+    computed, and sharp edges stay sharp. `uvs` (N, 2) are texture coordinates, v upwards as in OBJ. `colors` are of
+    vertices, (N, 3 or 4), or of faces, (M, 3 or 4): sRGB if they are uint8 or uint16, linear and from 0 to 1 if they
+    are floats. Arrays may have any type of numbers, and may be lists. `material` is grey by default, or white with
     `colors`.
 
-    `environment` and `up` are as in `viewer.load`. Objects of trimesh bring their own texture coordinates, colours, and
-    of their materials the base colour with its image, metalness and roughness; a `material` replaces them. Their
-    normals are computed anew.
+    `environment` and `up` are as in `viewer.load`. Objects of trimesh have their own texture coordinates, colours and
+    materials, of which the base colour with its image, metalness and roughness are used; a `material` replaces them.
+    Their normals are computed again.
 
-    Raises UsageError for arrays of other shapes, for numbers that are not finite, and for corners that are no vertices.
+    Raises UsageError for arrays of other shapes, for numbers that are not finite, and for faces with vertices that do
+    not exist.
     """
     from .environment_files import load_environment
 

@@ -22,7 +22,7 @@ BRIGHTEST = 1e30
 
 @dataclass(frozen=True)
 class Light:
-    """A light without size.
+    """A point, spot or directional light.
 
     `intensity` is the illuminance in lux for a directional light, and the luminous intensity in candela for point and
     spot lights. As in other glTF viewers, photometric units are used as radiometric ones: a white Lambertian surface

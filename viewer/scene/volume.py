@@ -21,14 +21,14 @@ from .medium import Medium
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Volume(HoldsArrays):
-    """A grid of densities. What a density of 1 does to light is for the settings `volume-...` to say.
+    """A grid of densities. The settings `volume-...` define how a density of 1 scatters, absorbs and emits light.
 
     `density` (nz, ny, nx) float32 or float16, finite and not negative. x is the fastest axis, as in a 3D texture of
     OpenGL. `index_to_world` (4, 4) float64, column vectors, takes whole indices (x, y, z) to the *centres* of voxels in
     world space, so that the box is [-1/2, n - 1/2] along each axis. Between centres the density is trilinear, from
-    the outermost centres to the faces of the box it is constant, and outside of the box there is none.
+    the outermost centres to the faces of the box it is constant, and outside the box it is 0.
 
-    Raises UsageError for arrays that cannot be this.
+    Raises UsageError for other arrays.
     """
 
     name: str
