@@ -65,4 +65,5 @@ def test_only_programs_for_droplets_know_them():
     for settings, there in (({}, 0), ({"volume_droplets": 8.0}, 1), ({"fog_droplets": 8.0}, 0),
                             ({"fog_droplets": 8.0, "fog": 1.0}, 1)):
         plan = plan_without_device(model, Settings.of(mode="path", **settings))
-        assert plan.programs["medium"]["HAS_DROPLETS"] == there and ("droplets" in plan.used) == bool(there)
+        assert plan.programs["medium"]["HAS_DROPLETS"] == there
+        assert ("droplets of water" in plan.used) == bool(there)

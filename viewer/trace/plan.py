@@ -279,6 +279,6 @@ _SURFACES = {
     "HAS_GRIDS": "volumes (grids of densities)",
     "HAS_FOG": "fog",
     "HAS_CURVES": "curves",
-    "HAS_DROPLETS": "droplets of water as scatterers",
+    "HAS_DROPLETS": "droplets of water",
     "HAS_CAUSTIC_GUIDE": "a guide to caustics of lamps",
 }
