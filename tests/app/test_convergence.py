@@ -15,8 +15,9 @@ from waiting import PATIENCE_S, wait_until
 from viewer.estimate.mixture import draw_guide
 from viewer.gpu.context import Context
 from viewer.gpu.programs import Programs
-from viewer.interact import convergence
-from viewer.interact.convergence import Convergence, Progress
+from viewer.interact import convergence, shown_film
+from viewer.interact.convergence import Convergence
+from viewer.interact.shown_film import Progress
 from viewer.interact.state import ViewState
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
@@ -109,7 +110,7 @@ def test_converges_to_what_render_makes(hand, context, scene, denoise):
 
 def test_nothing_is_shown_before_every_pixel_has_a_sample(hand, monkeypatch):
     monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.0)
-    monkeypatch.setattr(convergence, "UPDATE_SECONDS", (0.0, 0.0))
+    monkeypatch.setattr(shown_film, "UPDATE_SECONDS", (0.0, 0.0))
     seen = []
 
     def condition() -> bool:
@@ -226,7 +227,7 @@ def test_the_raster_is_drawn_once_it_is_asked_for(hand):
 
 
 def test_a_converged_picture_is_not_filtered(hand, monkeypatch):
-    monkeypatch.setattr(convergence, "CONVERGED", 1e3)
+    monkeypatch.setattr(shown_film, "CONVERGED", 1e3)
     hand.state.settings = replace(PLAIN, denoise="fast")
     hand.rest()
     assert hand.paths.denoised == "off" and hand.paths.picture is not None
@@ -240,7 +241,7 @@ def test_a_time_budget_ends_it(hand):
 
 def test_an_error_that_is_reached_ends_it(hand, monkeypatch):
     """Before, it went on to the samples without which no error ends a picture."""
-    monkeypatch.setattr(convergence, "UPDATE_SECONDS", (0.0, 0.0))
+    monkeypatch.setattr(shown_film, "UPDATE_SECONDS", (0.0, 0.0))
     hand.state.settings = replace(PLAIN, spp=None, error=0.5)
     hand.rest()
     assert convergence.ENOUGH <= hand.paths.progress.samples < LEAST and hand.paths.progress.error <= 0.5
@@ -280,11 +281,11 @@ def test_what_is_mixed_with_the_raster_leaves_its_picture_until_there_are_two_sa
 
 def test_words_do_not_wait_for_the_filter(hand, monkeypatch):
     """It takes seconds where the CPU draws, and far more on a busy one."""
-    monkeypatch.setattr(convergence, "UPDATE_SECONDS", (0.0, 0.0))
+    monkeypatch.setattr(shown_film, "UPDATE_SECONDS", (0.0, 0.0))
     hand.state.settings = replace(PLAIN, spp=1000, denoise="fast")
     hand.until(lambda: hand.paths.picture is not None)
-    assert hand.paths._filter_at > hand.paths._path_render.seconds
-    hand.paths._filter_at = np.inf
+    assert hand.paths._shown._filter_at > hand.paths._path_render.seconds
+    hand.paths._shown._filter_at = np.inf
     filtered, words = hand.shown(), hand.paths.status()
     hand.until(lambda: hand.paths.status() != words)
     assert hand.paths.denoised == "fast" and np.array_equal(hand.shown(), filtered)
