@@ -266,7 +266,7 @@ def scattering() -> tuple[Scene, Camera]:
     """Wax behind a boundary that refracts, fog in a ball of index 1, and a wall that scatters what it transmits."""
     wax = Material(perceptual_roughness=0.7, ior=1.4, scatter_strength=0.9, multiscatter_color=(0.9, 0.7, 0.4),
                    multiscatter_anisotropy=0.3, attenuation_distance=0.12, attenuation_color=(0.4, 0.3, 0.2), **GLASS)
-    fog = Material(perceptual_roughness=0.0, ior=1.0, scatter_color=(0.6, 0.8, 0.9), scatter_anisotropy=0.5,
+    fog = Material(perceptual_roughness=0.0, ior=1.0, scatter_color=(0.6, 0.8, 0.9), scatter_anisotropy=0.8,
                    attenuation_distance=0.3, attenuation_color=(0.5, 0.4, 0.3), **GLASS)
     wall = Material(perceptual_roughness=0.6, double_sided=True, scatter_strength=0.9, multiscatter_anisotropy=0.4,
                     scatter_strength_texture=Texture(image_of(smooth_noise(4, 21))),
@@ -357,7 +357,7 @@ CASES = [
         "volume_emission": (0.2, 0.1, 0.0),
         "fog": 0.08, "fog_albedo": (0.9, 0.9, 0.9), "fog_g": 0.3, "fog_height": 0.8}),
     PathCase("hair", hair, spp=96, settings={"hair_melanin": (0.3, 0.2), "hair_roughness": (0.4, 0.3)}),
-    PathCase("hair-lamp", hair_lamp, settings={
+    PathCase("hair-lamp", hair_lamp, spp=144, settings={
         "hair_melanin": (0.3, 0.2), "hair_roughness": (0.4, 0.3), "bounces": 2}),
     PathCase("denim", denim, settings={"weave": "denim"}),
     PathCase("knitted", knitted, spp=48, settings={"yarn": "wool", "hair_color": (0.1, 0.05, 0.03)}),
