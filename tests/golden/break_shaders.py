@@ -28,7 +28,7 @@ MUTATIONS = [
              "return 1.0 / ((NoV + t_v) * (NoL + t_l));"),
     Mutation("separable G as if correlated", "bsdf/ggx.glsl", "return 1.0 / ((NoV + t_v) * (NoL + t_l));",
              "return 0.5 / (NoL * t_v + NoV * t_l);"),
-    Mutation("Beckmann's D without 1/pi", "bsdf/beckmann.glsl", "* INV_PI / (alpha * alpha", "/ (alpha * alpha"),
+    Mutation("Beckmann's D without 1/pi", "bsdf/pixel_lobe.glsl", "/ det) / width;", "/ det) / (INV_PI * width);"),
     Mutation("Beckmann's G without shadowing", "bsdf/beckmann.glsl",
              "(1.0 + lambda_beckmann(NoV, alpha) + lambda_beckmann(NoL, alpha))",
              "(1.0 + lambda_beckmann(NoV, alpha))"),

@@ -57,6 +57,26 @@ def test_normals_spread_within_a_texel_as_they_do_over_a_pixel(evaluate, ndf):
     assert np.allclose(within, over, rtol=2e-4, atol=1e-20)
 
 
+def test_the_lobe_gets_wider_as_its_mean_does(evaluate):
+    """On return alpha is as much wider as the covariance A = alpha^2 + spread^2 / pi is, at most 1; and nothing is
+    infinite for light that grazes the surface or comes from below."""
+    along, across, spread, height = (m.ravel() for m in np.meshgrid(
+        [0.02, 0.3, 1.0], [0.02, 0.3], [0.0, 0.1, 0.5, 10.0], [0.0, 1e-3, -0.5]))
+    along = np.maximum(along, across)
+    widened = """vec4 widened(vec4 i) {
+        vec2 a = i.xy;
+        vec3 n = vec3(0, 0, 1), h = normalize(vec3(0.6, 0.8, i.w));
+        float d = d_over_pixel(a, sqrt(i.x * i.y), vec3(1, 0, 0), n, h, vec3(i.z, 0, 0), vec3(0, i.z, 0));
+        return vec4(d, a, 0);
+    }"""
+    found = evaluate("bsdf/pixel_lobe", "widened(i)", np.column_stack([along, across, spread, height]), widened,
+                     {"NDF": 0})
+    assert np.isfinite(found).all() and (found[:, 0] >= 0).all()
+    wider = np.sqrt(np.sqrt((along**2 + spread**2 / np.pi) * (across**2 + spread**2 / np.pi)) / (along * across))
+    for k, alpha in ((1, along), (2, across)):
+        assert np.allclose(found[:, k], np.minimum(alpha * wider, 1), rtol=1e-3)
+
+
 @pytest.mark.parametrize("ndf, across", [(0, 0.05), (0, 0.01), (1, 0.05), (1, 0.01)])
 def test_no_light_is_lost_or_won(evaluate, ndf, across):
     """D NoH is the density of facets by solid angle: NoH^4 D, over slopes, has the integral 1."""
