@@ -72,10 +72,11 @@ def test_white_fog_returns_the_sun(tracer):
     assert found == pytest.approx(2.9078**2 / (8 * np.pi), rel=0.03)
 
 
-@pytest.mark.parametrize("color, g", [(1.0, 0.0), (0.96, 0.6)])
-def test_light_deep_in_a_slab(tracer, color, g):
-    """A quarter of the way into a slab that is lit from above, seen sideways; against discrete ordinates in float64."""
-    tau, material = 60.0, fog(60.0, color, g)
+@pytest.mark.parametrize("tau, color, g", [(60.0, 1.0, 0.0), (120.0, 0.96, 0.6)])
+def test_light_deep_in_a_slab(tracer, tau, color, g):
+    """A quarter of the way into a slab that is lit from above, seen sideways; against discrete ordinates in float64.
+    Where light goes on, that is twice as far as its long steps stay from the surface."""
+    material = fog(tau, color, g)
     sky = np.zeros((256, 4, 3), np.float32)
     sky[:128] = 1.0
     model = scene(box((4.0, 0.5, 4.0)), materials=[material], environment=Environment("sky", sky))
