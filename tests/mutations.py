@@ -1,4 +1,4 @@
-"""Mutation testing of the shaders: a wrong formula is planted in a copy of them, for what checks them to notice."""
+"""Mutation testing: an error is planted in a copy of the shaders or of the project, for tests to notice."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -18,23 +18,23 @@ from viewer.errors import ShaderError
 
 @dataclass(frozen=True)
 class Mutation:
-    """`old`, which the shader `file` holds exactly once, becomes `new`."""
+    """`old`, which `file` holds exactly once, becomes `new`."""
 
     name: str
     file: str
     old: str
     new: str
 
-    def check(self, shaders: Path) -> None:
-        """Raises LookupError where the file in the folder `shaders` does not hold `old` exactly once."""
-        count = (shaders / self.file).read_text(encoding="utf-8").count(self.old)
+    def check(self, folder: Path) -> None:
+        """Raises LookupError where the file in `folder` does not hold `old` exactly once."""
+        count = (folder / self.file).read_text(encoding="utf-8").count(self.old)
         if count != 1:
-            raise LookupError(f"{self.name}: shaders/{self.file} holds {self.old!r} {count} times, not once")
+            raise LookupError(f"{self.name}: {folder.name}/{self.file} holds {self.old!r} {count} times, not once")
 
-    def plant(self, shaders: Path) -> None:
-        """Change the file in the folder `shaders`. Raises LookupError as `check` does."""
-        self.check(shaders)
-        path = shaders / self.file
+    def plant(self, folder: Path) -> None:
+        """Change the file in `folder`. Raises LookupError as `check` does."""
+        self.check(folder)
+        path = folder / self.file
         path.write_text(path.read_text(encoding="utf-8").replace(self.old, self.new), encoding="utf-8")
 
 
@@ -57,7 +57,8 @@ def planted(mutation: Mutation) -> Iterator[None]:
 
 
 def try_all(mutations: Sequence[AnyMutation], names: Sequence[str],
-            noticed_by: Callable[[AnyMutation], Sequence[str]]) -> int:
+            noticed_by: Callable[[AnyMutation], Sequence[str]],
+            plant: Callable[[AnyMutation], AbstractContextManager[None]] = planted) -> int:
     """Plant each mutation whose name contains one of `names` (all of them where that is empty), and print by what each
     is noticed. Returns an exit status: 1 where one goes unnoticed or does not compile."""
     status = 0
@@ -66,7 +67,7 @@ def try_all(mutations: Sequence[AnyMutation], names: Sequence[str],
         if names and not any(name in mutation.name for name in names):
             continue
         try:
-            with planted(mutation):
+            with plant(mutation):
                 found = noticed_by(mutation)
         except ShaderError as error:
             print(f"{mutation.name}: {error}", file=sys.stderr)
