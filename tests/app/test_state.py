@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from viewer.interact.actions import Actions
+from viewer.interact.free_path import free_path
 from viewer.interact.keys import KEYS
 from viewer.interact.orbit import OrbitController
-from viewer.interact.state import CLEAR_GREY, FURNACE, VIEWS, ViewState, free_path
+from viewer.interact.shots import CLEAR_GREY, on_screen, parts, shots
+from viewer.interact.state import FURNACE, VIEWS, ViewState
 from viewer.quality import POINTS
 from viewer.scene.animation import Animation, Target, Track
 from viewer.scene.environment import Environment
@@ -44,15 +46,15 @@ def test_the_noise_is_shown_and_hidden_as_before(state):
 
 
 def test_one_shot_is_the_whole_picture(state):
-    assert state.shots(state.settings, (100, 50)) == [(state.settings, None)]
+    assert shots(state, state.settings, (100, 50)) == [(state.settings, None)]
 
 
 @pytest.mark.parametrize("split, line", [(0.5, 50), (0.251, 25), (0.999, 100)])
 def test_a_split_covers_the_picture_without_overlap(state, split, line):
     state.split = split
-    shots = state.shots(state.settings, (100, 50))
-    assert shots[0][0].mode == "phong" and shots[0][1] == (0, 0, line, 50)
-    assert shots[1:] == [] if line == 100 else shots[1][0].mode == "pbr" and shots[1][1] == (line, 0, 100 - line, 50)
+    shown = shots(state, state.settings, (100, 50))
+    assert shown[0][0].mode == "phong" and shown[0][1] == (0, 0, line, 50)
+    assert shown[1:] == [] if line == 100 else shown[1][0].mode == "pbr" and shown[1][1] == (line, 0, 100 - line, 50)
 
 
 def test_a_mode_ends_the_split_and_the_split_stays_where_it_was(state):
@@ -69,13 +71,13 @@ def test_a_mode_ends_the_split_and_the_split_stays_where_it_was(state):
 def test_paths_stand_beside_or_over_a_whole_picture_of_the_raster(state):
     state.show_mode("path")
     traced = replace(state.settings, spp=5, bounces=3, denoise="fast")
-    assert state.shots(traced, (100, 50)) == [(Settings(), None)] and state.parts((100, 50)) == [("path", None)]
+    assert shots(state, traced, (100, 50)) == [(Settings(), None)] and parts(state, (100, 50)) == [("path", None)]
     state.show_split("phong", "path")
     state.split = 0.3
-    assert state.shots(traced, (100, 50)) == [(Settings(mode="phong"), None)]
-    assert state.parts((100, 50)) == [("phong", (0, 0, 30, 50)), ("path", (30, 0, 70, 50))]
+    assert shots(state, traced, (100, 50)) == [(Settings(mode="phong"), None)]
+    assert parts(state, (100, 50)) == [("phong", (0, 0, 30, 50)), ("path", (30, 0, 70, 50))]
     state.split = 1.0
-    assert state.parts((100, 50)) == [("phong", (0, 0, 100, 50))] and state.shows("path")
+    assert parts(state, (100, 50)) == [("phong", (0, 0, 100, 50))] and state.shows("path")
 
 
 def test_a_single_contribution_is_shown_by_the_raster_but_for_path_traced_pictures(state):
@@ -89,14 +91,14 @@ def test_views_of_values_are_of_one_real_time_mode_and_leave_with_any_other_view
     state.show_mode("path")
     state.step_values(1)
     assert (state.modes, state.settings.show) == (("pbr",), "base-color") and not state.has_error
-    assert state.message == "Base colour" and state.on_screen().background == CLEAR_GREY
+    assert state.message == "Base colour" and on_screen(state).background == CLEAR_GREY
     for view, mode in (("phong", "phong"), ("split", "phong"), ("path", "path")):
         state.show_view(view)
         assert state.settings.show == "shaded" and state.modes[0] == mode and not state.message
         state.step_values(-1)
         assert state.settings.show == "wireframe" and len(state.modes) == 1 and state.modes != ("path",)
     state.step_values(1)
-    assert state.settings.show == "shaded" and state.has_error and state.on_screen().background == "env"
+    assert state.settings.show == "shaded" and state.has_error and on_screen(state).background == "env"
 
 
 @pytest.mark.parametrize("key", ["next_values", "previous_values", "wireframe"])
@@ -161,14 +163,14 @@ def test_another_model_keeps_the_environment_and_the_lights_added_by_hand(state)
 
 def test_no_background_is_dark_on_screen_only(state):
     state.settings = Settings(background="none", exposure=1.0)
-    assert isinstance(state.on_screen().background, tuple) and state.on_screen().exposure == 1.0
+    assert isinstance(on_screen(state).background, tuple) and on_screen(state).exposure == 1.0
     assert state.settings.background == "none"
 
 
 def test_where_there_is_no_environment_something_opaque_is_behind_the_model_on_screen(state):
-    assert state.on_screen().background == "env"
+    assert on_screen(state).background == "env"
     state.scene = state.scene.relit(environment=None, lights=())
-    assert state.on_screen().background == CLEAR_GREY and state.settings.background == "env"
+    assert on_screen(state).background == CLEAR_GREY and state.settings.background == "env"
 
 
 def test_the_quality_is_of_the_picture_at_rest_and_what_is_chosen_by_hand_wins(state):

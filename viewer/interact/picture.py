@@ -12,20 +12,22 @@ import moderngl
 import numpy as np
 
 from ..errors import ViewerError
-from ..estimate.mixture import draw_guide, raster_settings
+from ..estimate.mixture import draw_guide
 from ..image.enlarged import Enlarged
 from ..image.image import Image
 from ..plan.legend import legend
 from ..plan.media import has_media
-from ..quality import DETERMINED, DRAFT
+from ..quality import DETERMINED
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..settings import Background, Settings
 from .convergence import SLICE_SECONDS, Convergence
+from .free_path import free_path
 from .orbit import OrbitController
 from .pace import FrameSize
 from .rest_error import RestError
-from .state import Part, ViewState, free_path
+from .shots import on_screen, parts, shots, shots_of_quality
+from .state import ViewState
 
 MOST_PHOTONS = 1024
 """A pixel, of a picture at rest."""
@@ -104,12 +106,12 @@ class Picture:
         """
         state, camera = self._state, self._orbit.camera
         size = self._frame.begin(whole, self._moves(camera))
-        settings = state.on_screen()
+        settings = on_screen(state)
         # The display pass composites a background colour.
         background: Background = "env" if settings.background == "env" else "none"
         exposure = settings.exposure if settings.grid == "on" else 0.0  # the grid is as bright in all
         shading = replace(settings, exposure=exposure, tonemap="none", background=background)
-        wanted = (state.scene, state.shots(shading, size), state.quality, *camera.key, size,
+        wanted = (state.scene, shots(state, shading, size), state.quality, *camera.key, size,
                   self._renderer.programs.generation)
         self.paths.follow(camera, size)
         still = wanted == self._drawn and self._frame.is_whole and self.wants_refinement
@@ -224,7 +226,7 @@ class Picture:
         if self._state.shows_error and self.error.has_map:
             self.error.present(framebuffer)
         else:
-            self._present(self._state.on_screen(), framebuffer)
+            self._present(on_screen(self._state), framebuffer)
 
     def shown(self) -> np.ndarray:
         """What `present` shows at `size` pixels: (H, W, 3) uint8, row 0 at the top."""
@@ -255,7 +257,7 @@ class Picture:
         self._forget_error()
 
     def _draw(self, settings: Settings, size: tuple[int, int], still: bool) -> None:
-        for shot, part in self._shots(settings, size, still):
+        for shot, part in shots_of_quality(self._state, settings, size, still):
             self._renderer.draw(self._state.scene, self._orbit.camera, shot, size, still=still, part=part,
                                 keeps_photons=still)
 
@@ -264,7 +266,7 @@ class Picture:
         if not self._is_all_paths(size):
             self._renderer.present(settings, framebuffer)
         if self.paths.picture is not None:
-            for mode, part in self._state.parts(size):
+            for mode, part in parts(self._state, size):
                 if mode == "path":
                     framebuffer.scissor = part  # type: ignore[assignment]  # None means all of it
                     self.paths.present(settings, framebuffer)
@@ -272,7 +274,7 @@ class Picture:
 
     def _is_all_paths(self, size: tuple[int, int]) -> bool:
         """Whether the path-traced picture covers everything, so that the raster need not be shown."""
-        return self.paths.picture is not None and all(mode == "path" for mode, _ in self._state.parts(size))
+        return self.paths.picture is not None and all(mode == "path" for mode, _ in parts(self._state, size))
 
     def _read(self, present: Callable[[moderngl.Framebuffer], None], size: tuple[int, int]) -> np.ndarray:
         """What `present` draws, (H, W, 4) uint8, row 0 at the top."""
@@ -284,20 +286,11 @@ class Picture:
         color.release()
         return np.ascontiguousarray(pixels[::-1])
 
-    def _shots(self, settings: Settings, size: tuple[int, int], still: bool) -> list[tuple[Settings, Part | None]]:
-        """What the raster draws; only a picture at rest has the chosen quality, so that a moving one stays fast. Where
-        paths were too few to be mixed with the raster's picture, the one that waited for them is shown."""
-        shots = self._state.shots(settings, size)
-        if still and self._state.modes == ("path",) and self._state.settings.denoise == "raster":
-            return [(replace(raster_settings(shot), caustics=shot.caustics), part) for shot, part in shots]
-        quality = self._state.quality if still else DRAFT
-        return [(quality.applied(shot), part) for shot, part in shots]
-
     def _as_drawn(self, still: bool) -> tuple[object, ...]:
         """Of each shot the samples of a pixel, rays and steps where there are media, whether there are photons, and
         what qualities differ in."""
         device, scene, result = (self._renderer.context.is_software, still), self._state.scene, []
-        for shot, part in self._shots(self._state.settings, self.size, still):
+        for shot, part in shots_of_quality(self._state, self._state.settings, self.size, still):
             media = shot.media_rays_and_steps(*device) if has_media(scene, shot) else ()
             values = tuple(getattr(shot, name) for name in sorted(DETERMINED - {"antialias"}))
             has_photons = still and part is None and shot.mode == "pbr" and shot.caustics == "photons"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, get_args
 
 from ..errors import ViewerError
@@ -14,13 +13,9 @@ from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
-from ..settings import Denoise, Lobes, Mode, Settings, Show, ignored
+from ..settings import Denoise, Lobes, Mode, Settings, Show
 from .playback import Playback
 
-Part = tuple[int, int, int, int]
-
-CLEAR_GREY = (0.03, 0.03, 0.03)
-"""The colour behind a model without background, in linear Rec. 709, since a window has no alpha."""
 MESSAGE_SECONDS = 4.0
 ADDED_LIGHT = "--light"
 """The name of lights that the user has added. They stay when another model is opened."""
@@ -304,45 +299,3 @@ class ViewState:
             self._pose()
         else:
             self.playback = Playback(speed=self.playback.speed)
-
-    def on_screen(self) -> Settings:
-        """The settings for display in a window, which has no alpha: a background of `none` becomes CLEAR_GREY, and so
-        does an environment where there is none, or which is not behind a view of values."""
-        background = self.settings.background
-        is_behind = self.scene.environment is not None and not self.settings.shows_values
-        if background != "none" and (background != "env" or is_behind):
-            return self.settings
-        return replace(self.settings, background=CLEAR_GREY)
-
-    def shots(self, settings: Settings, size: tuple[int, int]) -> list[tuple[Settings, Part | None]]:
-        """What the raster draws for a picture of `size` pixels: pairs of settings and a part of the picture, or None
-        for the whole picture.
-
-        If mode path is shown, the raster draws the whole picture in the mode beside it, or in mode pbr. The path-traced
-        picture covers its part as soon as there is one.
-        """
-        plain = Settings()
-        settings = replace(settings, **{name: getattr(plain, name) for name in ignored("pbr", "phong")})
-        if self.shows("path"):
-            beside: Mode = next((mode for mode in self.modes if mode != "path"), "pbr")
-            return [(replace(settings, mode=beside), None)]
-        return [(replace(settings, mode=mode), part) for mode, part in self.parts(size)]
-
-    def parts(self, size: tuple[int, int]) -> list[tuple[Mode, Part | None]]:
-        """The visible modes, each with its part of the picture (x, y, width, height); None means the whole picture."""
-        if self.split is None:
-            return [(self.settings.mode, None)]
-        width, height = size
-        line = min(max(round(self.split * width), 0), width)
-        parts = zip(self.sides, ((0, 0, line, height), (line, 0, width - line, height)), strict=True)
-        return [(mode, part) for mode, part in parts if part[2] > 0]
-
-
-def free_path(folder: Path, name: str) -> Path:
-    """The first of `name-1.png`, `name-2.png`, ... that does not exist in `folder`. Characters that some file system
-    does not allow become `_`."""
-    stem = "".join(c if c.isalnum() or c in "-_. " else "_" for c in name).strip(" .") or "picture"
-    number = 1
-    while (path := folder / f"{stem}-{number}.png").exists():
-        number += 1
-    return path
