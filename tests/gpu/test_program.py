@@ -13,7 +13,7 @@ from contexts import open_or_skip
 import viewer.gpu.source
 from viewer.errors import ShaderError
 from viewer.gpu.context import Context
-from viewer.gpu.program import _explain, compile_program
+from viewer.gpu.program import _explain, compile_program, compile_sources
 from viewer.gpu.programs import Programs
 from viewer.gpu.source import ProgramSource, assemble, source_files
 
@@ -170,7 +170,7 @@ def test_draws(write: Write, context: Context, half: int) -> None:
 
 def test_varyings(write: Write, context: Context) -> None:
     write({"a.vert": "out float square;\nvoid main() { square = float(gl_VertexID * gl_VertexID); }\n"})
-    program = compile_program(context, vertex="a.vert", varyings=["square"])
+    program = compile_sources(context, {"vertex": assemble("a.vert")}, ["square"])
     result = context.gl.buffer(reserve=16)
     context.gl.vertex_array(program, []).transform(result, vertices=4)
     np.testing.assert_array_equal(np.frombuffer(result.read(), np.float32), [0, 1, 4, 9])

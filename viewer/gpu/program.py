@@ -32,23 +32,22 @@ def compile_program(
     vertex: str | Path,
     fragment: str | Path | None = None,
     defines: Mapping[str, float] | None = None,
-    varyings: Sequence[str] = (),
     version: int = 330,
 ) -> moderngl.Program:
     """Compile and link shader files, each assembled with the same `defines` (see `viewer.gpu.source`).
 
-    `varyings` are the vertex shader's outputs to capture by transform feedback. Raises ShaderError with
-    file and line, such as ``shaders/bsdf/ggx.glsl:12: ...``, if the driver rejects the program.
+    Raises ShaderError with file and line, such as ``shaders/bsdf/ggx.glsl:12: ...``, if the driver rejects the program.
     """
     stages = {"vertex": vertex, "fragment": fragment}
     sources = {stage: assemble(path, defines, version) for stage, path in stages.items() if path is not None}
-    return compile_sources(context, sources, varyings)
+    return compile_sources(context, sources)
 
 
 def compile_sources(
     context: Context, sources: Mapping[str, ProgramSource], varyings: Sequence[str] = ()
 ) -> moderngl.Program:
-    """As `compile_program`, for assembled shaders; the keys are the stages vertex and fragment."""
+    """As `compile_program`, for assembled shaders; the keys are the stages vertex and fragment. `varyings` are the
+    vertex shader's outputs to capture by transform feedback."""
     context.make_current()
     try:
         shaders: dict[str, Any] = {f"{stage}_shader": source.text for stage, source in sources.items()}

@@ -67,7 +67,8 @@ class DeferredSurfaces:
         over = union([pixel_box(frame, instance, part) for instance in others])
         box = union([*boxes.values(), over])
         layers.clear(self._programs, box, pixel_rows(frame, triangles.corners, box, over), over)
-        self._draw_triangles(frame, plan, layers, triangles, uniforms)
+        self._surfaces.draw_triangles(
+            frame, plan, uniforms, lambda draw, mesh: {"u_first_triangle": triangles.first[draw.instance]})
         self._choose(frame, layers, triangles)
         for number in range(2):
             self._shade(number, frame, plan, layers, triangles, boxes, uniforms)
@@ -76,11 +77,6 @@ class DeferredSurfaces:
                 draw_background()
         self._context.gl.clear_samplers()
         return layers
-
-    def _draw_triangles(self, frame: Frame, plan: Plan, layers: Layers, triangles: NumberedTriangles,
-                        uniforms: dict[str, object]) -> None:
-        self._surfaces.draw_triangles(
-            frame, plan, uniforms, lambda draw, mesh: {"u_first_triangle": triangles.first[draw.instance]})
 
     def _choose(self, frame: Frame, layers: Layers, triangles: NumberedTriangles) -> None:
         gl, camera = self._context.gl, frame.camera

@@ -47,7 +47,7 @@ class EnvironmentShadows:
     """
 
     def __init__(self, gl: moderngl.Context, environment: EnvironmentLight, plan: Plan, casters: Casters,
-                 is_small: bool, before: EnvironmentShadows | None = None) -> None:
+                 is_small: bool, before: EnvironmentShadows | None) -> None:
         self._gl, self._casters, self._estimates = gl, casters, plan.estimates_indirect
         self._environment, self._rotation = environment, environment.environment.rotation
         self._is_small, self._lights = is_small, environment.many_lights(plan.environment_shadows)

@@ -60,7 +60,7 @@ class Textures:
         """The normal maps of bases, of those uploaded, that are full of grooves (viewer/scene/normal_spread.py)."""
         return frozenset(self._roots)
 
-    def keep(self, images: set[TextureImage], ahead: Decoder | None = None) -> None:
+    def keep(self, images: set[TextureImage], ahead: Decoder | None) -> None:
         """Release the textures of all images except `images`. `ahead` is a decoder that has already started with some
         of the new ones."""
         self._cancel()

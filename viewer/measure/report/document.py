@@ -59,7 +59,7 @@ def make_findings(survey: Survey, scene: str, command: Callable[[Method], str], 
     times = [point.record.facts["time_ms"]["median"] for point in points]
     by_measure = {name: [getattr(point.errors, name) for point in points] for name in MEASURES}
     fronts = {name: front(times, values) for name, values in by_measure.items()}
-    floors = _floors(survey, truth)
+    floors = _floors(survey)
     document = {
         "scene": scene,
         "device": bench.context.renderer,
@@ -97,7 +97,7 @@ def make_findings(survey: Survey, scene: str, command: Callable[[Method], str], 
     return Findings(document, truth, points)
 
 
-def _floors(survey: Survey, truth: Image) -> dict[str, float]:
+def _floors(survey: Survey) -> dict[str, float]:
     """The reference's own noise in each measure.
 
     The difference of its halves is twice as large (in relMSE four times) as the error of their mean."""

@@ -49,7 +49,7 @@ class Survey:
 class Surveyor:
     """Measuring may take `bench.limit` seconds, those of earlier runs included."""
 
-    def __init__(self, bench: Bench, store: Store, name: str, progress: Progress, use_cache: bool = True) -> None:
+    def __init__(self, bench: Bench, store: Store, name: str, progress: Progress, use_cache: bool) -> None:
         self._bench, self._store, self._name, self._progress = bench, store, name, progress
         self._limit = bench.limit
         self._key = digest(bench.scene, bench.camera, bench.size, bench.settings, bench.context.renderer, code_digest())

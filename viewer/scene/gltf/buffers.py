@@ -96,25 +96,25 @@ class Buffers:
 
     def _load(self, buffer: Element, index: int) -> memoryview:
         if "uri" in buffer:
-            return read_uri(buffer, "uri")[0]
+            return read_uri(buffer)[0]
         if index != 0 or buffer.document.binary is None:
             raise buffer.error("is missing, and the file has no binary chunk for it", "uri")
         return buffer.document.binary
 
 
-def read_uri(element: Element, key: str) -> tuple[memoryview, Path | None]:
-    """The bytes of the URI at `key`, and the path of its file; None for a data URI."""
-    uri = element.string(key)
+def read_uri(element: Element) -> tuple[memoryview, Path | None]:
+    """The bytes of the element's URI, and the path of its file; None for a data URI."""
+    uri = element.string("uri")
     if uri[:5].lower() == "data:":
-        return memoryview(_decode_data_uri(element, key, uri)), None
-    path = path_inside(element.document.path, uri, element.at(key))
-    return memoryview(read_file(path, str(element.document.path), element.at(key))), path
+        return memoryview(_decode_data_uri(element, uri)), None
+    path = path_inside(element.document.path, uri, element.at("uri"))
+    return memoryview(read_file(path, str(element.document.path), element.at("uri"))), path
 
 
-def _decode_data_uri(element: Element, key: str, uri: str) -> bytes:
+def _decode_data_uri(element: Element, uri: str) -> bytes:
     header, comma, body = uri.partition(",")
     if not comma:
-        raise element.error("the data URI contains no data", key)
+        raise element.error("the data URI contains no data", "uri")
     if not header.lower().endswith(";base64"):
         return unquote_to_bytes(body)
     try:
@@ -122,4 +122,4 @@ def _decode_data_uri(element: Element, key: str, uri: str) -> bytes:
         # Some exporters omit the padding; RFC 4648, 3.2, allows readers to accept that.
         return base64.b64decode(raw + b"=" * (-len(raw) % 4), validate=True)
     except (binascii.Error, UnicodeEncodeError, ValueError) as error:
-        raise element.error("the data URI is not valid base64", key) from error
+        raise element.error("the data URI is not valid base64", "uri") from error

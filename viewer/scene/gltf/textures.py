@@ -105,7 +105,7 @@ class Textures:
     def _open(self, image: Element, neutral: RGBA) -> TextureImage:
         name = f"{image.document.path}: {image.place}"
         if "uri" in image:
-            data, path = read_uri(image, "uri")
+            data, path = read_uri(image)
             name = name if path is None else str(path)
         else:
             data = self._buffers.view(image.index("bufferView", len(self._buffers.views)))

@@ -47,9 +47,8 @@ class PathRender:
 
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
                  settings: Settings, display: DisplayPass, layers: Collection[str],
-                 denoiser: Denoiser | None, photon_passes: PhotonPasses | None = None,
-                 guide: np.ndarray | None = None, sky: Sky | None = None, is_interactive: bool = False,
-                 first: int = 0) -> None:
+                 denoiser: Denoiser | None, photon_passes: PhotonPasses | None, guide: np.ndarray | None,
+                 sky: Sky | None, is_interactive: bool, first: int) -> None:
         self.plan = plan
         self.film = film
         self.settings = settings

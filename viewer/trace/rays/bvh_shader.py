@@ -35,7 +35,7 @@ class BvhIntersector:
     name = "bvh"
     tells_classes = False
 
-    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
+    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None) -> None:
         self._context, self._gl = context, context.gl
         self._built = bvh = build_bvh(geometry)
         self._media = geometry.nesting if geometry.scatters else None

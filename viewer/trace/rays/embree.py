@@ -55,7 +55,7 @@ class EmbreeIntersector:
 
     tells_classes = True
 
-    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
+    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None) -> None:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
         self.triangles = EmbreeTriangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)

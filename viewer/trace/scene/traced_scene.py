@@ -39,7 +39,7 @@ class TracedScene:
     With `is_for_photons` none but photons are traced, which have no guide to caustics."""
 
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str,
-                 is_for_photons: bool = False) -> None:
+                 is_for_photons: bool) -> None:
         self._context, self.is_for_photons = context, is_for_photons
         self._fog = fog_of(scene, settings)
         self._placed = trace_geometry(scene, fog=self._fog, curves=trace_curves(scene))
