@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypedDict
 
+from ..base.counted import counted
 from ..material.fold import without_constant_maps
 from ..material.use import texture_bytes
 from ..scene.light import Light
@@ -13,7 +14,7 @@ from ..scene.schema import MAPS
 from ..settings import Settings
 from .left_out import ATTRIBUTE_BYTES, is_any_lit, left_out_lines
 from .model import Plan
-from .used import counted, used_lines
+from .used import used_lines
 
 _LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats per texel
 _LEVELS_BAKE_S = 0.11

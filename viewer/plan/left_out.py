@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..base.counted import counted
 from ..material.fold import without_constant_maps
 from ..scene.light import KINDS, Light
 from ..scene.material import ANISOTROPY
@@ -17,7 +18,6 @@ from .media import MAX_VOLUMES
 from .model import LAYERS_LEFT_OUT, Draw, Plan
 from .samplers import MAX_SAMPLERS
 from .shadow_layers import MAX_SHADOW_LAYERS
-from .used import counted
 
 _TILE_MB = 2048 * 2048 * 4 / 1e6
 ATTRIBUTE_BYTES = {"a_normal": 12, "a_tangent": 16, "a_color": 16, "a_uv0": 8, "a_uv1": 8}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
+from ..base.counted import counted
 from ..material.use import texture_bytes
 from ..scene.parameter import Feature
 from ..scene.schema import MAPS, SWITCHED
@@ -77,7 +78,3 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
 def feature_lines(surfaces: Mapping[Feature, int]) -> list[str]:
     """A line for each feature of materials that any surface shows; `surfaces` has how many do."""
     return [f"{feature.title} of {counted(count, 'surface')}" for feature, count in surfaces.items() if count]
-
-
-def counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'s' * (count != 1)}"

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
+from ..base.counted import counted
 from ..errors import UsageError
 from .arrays import HoldsArrays, scene_array
 
@@ -106,7 +107,7 @@ class Animation:
         counts: Counter[tuple[str, str]] = Counter()
         for kind, _, name in {track.target._replace(name=track.target.name.split("[")[0]) for track in self.tracks}:
             counts[name, kind] += 1
-        return ", ".join(f"{name} of {count} {kind}{'s' * (count > 1)}"
+        return ", ".join(f"{name} of {counted(count, kind)}"
                          for (name, kind), count in sorted(counts.items())) or "nothing"
 
 

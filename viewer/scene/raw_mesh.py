@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..base.counted import counted
 from .arrays import rows_of
 from .color import srgb_to_linear
 from .frames import with_creased_normals, with_flat_normals, with_grouped_normals, with_tangents
@@ -146,7 +147,7 @@ def linear_colors(columns: np.ndarray, full: float | None = None, warnings: list
     columns = np.asarray(columns, np.float64)
     lost = int(np.count_nonzero(~np.isfinite(columns).all(axis=1)))
     if lost and warnings is not None:
-        warnings.append(f"{lost} colour{'s' * (lost > 1)} with a number that is not finite; it counts as full")
+        warnings.append(f"{counted(lost, 'colour')} with a number that is not finite; it counts as full")
     if full is None:
         full = 255.0 if columns.max(initial=0, where=np.isfinite(columns)) > 1 else 1.0
     scaled = np.clip(np.nan_to_num(columns / full, nan=1.0, posinf=1.0), 0, 1)

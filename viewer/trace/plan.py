@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from ..base.counted import counted
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.left_out import omitted_features
 from ..plan.model import Program
@@ -202,11 +203,11 @@ def _switches_of(kind: Kind, settings: Settings, geometry: TraceGeometry) -> dic
 
 
 def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ...]:
-    count, materials = geometry.triangle_count, len(geometry.materials)
-    lines = [f"{count} triangle{'s' * (count != 1)} of {materials} material{'s' * (materials != 1)}"] * bool(count)
+    count = geometry.triangle_count
+    lines = [f"{counted(count, 'triangle')} of {counted(len(geometry.materials), 'material')}"] * bool(count)
     if geometry.curves is not None:
-        segments, strands = len(geometry.curves.first), geometry.curves.strands
-        lines.append(f"{segments} round segment{'s' * (segments != 1)} of {strands} strand{'s' * (strands != 1)}")
+        segments = counted(len(geometry.curves.first), "round segment")
+        lines.append(f"{segments} of {counted(geometry.curves.strands, 'strand')}")
     lines += [what for name, what in (*_LIGHTS.items(), *_SURFACES.items()) if switches[name]]
     surfaces = Counter(instance.material for instance in geometry.instances)
     features = {k: geometry.materials[k].features for k in surfaces}
@@ -218,7 +219,7 @@ def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ..
     images = {texture.image for m in geometry.materials
               for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
     if images:
-        lines.append(f"maps from {len(images)} image{'s' * (len(images) != 1)}, about "
+        lines.append(f"maps from {counted(len(images), 'image')}, about "
                      f"{sum(4 * image.width * image.height for image in images) / 1e6:.3g} MB as pages of one texture")
     return tuple(lines)
 

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from ...base.counted import counted
 from ...errors import InputError
 from ...image.image import LINEAR_FORMATS, Image
 from ...image.magma import magma
@@ -96,7 +97,7 @@ def not_finite(pixels: np.ndarray) -> str:
     if not count:
         return ""
     row, column = np.argwhere(bad)[0]
-    return f"{count} pixel{'s' * (count > 1)} NaN or infinite, the first at x={column}, y={row}"
+    return f"{counted(count, 'pixel')} NaN or infinite, the first at x={column}, y={row}"
 
 
 def _flip(reference: np.ndarray, test: np.ndarray, kind: Kind) -> np.ndarray:

@@ -9,6 +9,7 @@ import shutil
 from pathlib import Path
 
 from ...base.atomic import atomic_write
+from ...base.counted import counted
 from ..html_page import html_page
 
 _STYLE = """
@@ -33,7 +34,7 @@ def write_report(folder: Path) -> Path | None:
     failures = sorted(folder.glob("*/failure.json"))
     if not failures:
         return None
-    title = f"{len(failures)} golden image{'s' * (len(failures) > 1)} failed"
+    title = f"{counted(len(failures), 'golden image')} failed"
     with atomic_write(folder / "index.html") as file:
         body = "\n".join([f"<h1>{title}</h1>", *map(_section, failures)])
         file.write_text(html_page(title, body, _STYLE), encoding="utf-8")

@@ -11,6 +11,7 @@ from typing import Literal
 import moderngl
 import numpy as np
 
+from ...base.counted import counted
 from ...base.heap import trim_heap
 from ...gpu.context import Context
 from ...scene.color import srgb_to_linear
@@ -44,8 +45,7 @@ class AtlasLayout:
         shrunk = sum(1 for n in self.halvings.values() if n)
         if not shrunk:
             return []
-        images = f"{shrunk} texture image{'s' * (shrunk > 1)}"
-        return [f"{images} traced at reduced size: all have to fit into one texture"]
+        return [f"{counted(shrunk, 'texture image')} traced at reduced size: all have to fit into one texture"]
 
 
 class Atlas:

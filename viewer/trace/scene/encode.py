@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ...base.counted import counted
 from ...material.fold import without_constant_maps
 from ...material.use import metalness
 from ...scene.material import TRANSMISSION
@@ -92,11 +93,11 @@ def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
     idle = sum(texture is not None and (k, texture.image) not in sampled for k, texture in named)
     constant = sum(MAPS[name].texture(m) != MAPS[name].texture(plain)
                    for m, plain in surfaces.values() for name in MAPS)
-    lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: folded into factors"] * bool(constant)
+    lines = [f"{counted(constant, 'material map')} of one colour: folded into factors"] * bool(constant)
     if not idle:
         return lines
     them = "them" if idle > 1 else "it"
-    return [*lines, f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {them}"]
+    return [*lines, f"{counted(idle, 'material map')}, not decoded: no path depends on {them}"]
 
 
 def add_geometry(

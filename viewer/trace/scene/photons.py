@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.counted import counted
 from ...material.pack import DATA_ROLES
 from ...material.use import DELTA_ALPHA
 from ...plan.warnings import NO_PHOTONS
@@ -73,8 +74,7 @@ class Photons:
     @property
     def description(self) -> str:
         """What is traced, for the plan."""
-        return (f"photons from {self._lights} light{'s' * (self._lights != 1)} to {self.count} smooth "
-                f"surface{'s' * (self.count != 1)}")
+        return f"photons from {counted(self._lights, 'light')} to {counted(self.count, 'smooth surface')}"
 
 
 def has_delta_lobe(material: TraceMaterial) -> bool:
