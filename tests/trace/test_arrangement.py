@@ -58,9 +58,14 @@ def test_each_path_keeps_its_home(context, seed, height):
         order = np.argsort(classes, kind="stable")
         blocks_alive = np.unique(block_of[shown[alive]])
         arrangement.sort(classes)
-        ended, row = classes[order] == NO_KIND, np.arange(len(order)) // width
-        first, rows = arrangement.ended_rows
-        assert ((row[ended] >= first) & (row[ended] < first + rows)).all()
+        ended = classes[order] == NO_KIND
+        assert np.flatnonzero(ended).tolist() == list(range(*arrangement.ended))
+        for kind in (*range(NO_KIND + 1), CLASS_OF_IDLE):
+            drawn = np.zeros((height, width), int)
+            for x, y, columns, rows in arrangement.rectangles(kind):
+                drawn[y:y + rows, x:x + columns] += 1
+            own = (classes[order] == kind)[:arrangement.next_rows * width]
+            assert np.flatnonzero(drawn).tolist() == np.flatnonzero(own).tolist() and drawn.max() <= 1
         path[:] = -1
         path[:len(shown)] = shown[order]
         path[:len(shown)][ended & (rng.random(len(order)) < 0.6)] = -1  # those that have no sample left
@@ -84,7 +89,7 @@ def test_pictures_are_those_of_paths_that_never_move(context, monkeypatch, layer
         monkeypatch.setattr(EmbreeIntersector, "tells_classes", tells)
         tracer = Tracer(context, intersector="embree")
         render = tracer.begin(scene, camera, Settings.of(mode="path", spp=6), (40, 24), layers)
-        assert render.plan.is_sorted == tells
+        assert render.plan.is_sorted == render.plan.knows_classes == tells == ("classify" not in render.plan.programs)
         run(render, 0.0)
         image = render.image()
         pictures.append([image.linear, *image.layers.values()])

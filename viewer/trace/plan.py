@@ -74,7 +74,12 @@ class TracePlan:
     @property
     def is_sorted(self) -> bool:
         """Whether paths of one class lie side by side."""
-        return bool(dict(self.programs["classify"].switches)["SORTED"])
+        return bool(self.programs["generate"].get("SORTED"))
+
+    @property
+    def knows_classes(self) -> bool:
+        """Whether the order of sorted paths tells which pass shades each of them. In media random numbers decide."""
+        return self.is_sorted and not self.has_scattering
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -147,7 +152,8 @@ def plan_trace(
         "zero": Program.of("trace/zero.frag", {}),
         "begin": Program.of(generate, begins | chooses | {"BEGINS": 1, "HAS_SKY": int(has_sky)}),
         **({"track": Program.of("trace/track.frag", classes)} if switches["HAS_GRIDS"] else {}),
-        "classify": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 0}),
+        **({} if is_sorted and not switches["HAS_SCATTERING"] else {
+            "classify": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 0})}),
         "finish": Program.of("trace/finish.frag", first | sky),
         "generate": Program.of(generate, begins | {"BEGINS": 0, "HAS_SKY": 0, "CHOOSES_PIXELS": 0}),
         **{kind.name: Program.of(kind.file, switches | _switches_of(kind, settings, geometry))

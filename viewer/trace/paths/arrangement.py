@@ -7,6 +7,8 @@ where Embree has traced the rays in memory.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -49,8 +51,7 @@ class Arrangement:
         self._is_shown = False
         self.alive = np.zeros(len(self.homes_of), bool)
         """Which blocks had paths that were not idle when they were sorted last, (blocks,)."""
-        self.ended_rows = 0, 0
-        """The first row, and the number of rows, of the next state that have all paths which have ended."""
+        self._ends = np.zeros(CLASS_OF_IDLE + 2, np.intp)  # in the next state, of the class before each
 
     def homes(self, row: int, rows: int) -> NDArray[np.intp]:
         """The homes of the paths in so many rows of the present state."""
@@ -60,14 +61,32 @@ class Arrangement:
         """Let the next state have the present paths of the first rows in the order of their `classes`
         (`viewer.trace.rays.intersect.Answer`), those of one class in their own."""
         order = np.argsort(classes, kind="stable")
-        counts = np.bincount(classes, minlength=CLASS_OF_IDLE + 1)
+        self._ends[1:] = np.bincount(classes, minlength=CLASS_OF_IDLE + 1).cumsum()
         self._write("u_source", self._texels[order])
         self._next = self._home[order]
-        self._used = len(order) - int(counts[CLASS_OF_IDLE])
+        self._used = self._run(CLASS_OF_IDLE)[0]
         self.next_rows = self._row_after(self._used)
-        first, last = np.cumsum(counts)[[NO_KIND - 1, NO_KIND]].tolist()
-        row = first // self._size[0]
-        self.ended_rows = row, self._row_after(last) - row if last > first else 0
+
+    def _run(self, path_class: int) -> tuple[int, int]:
+        """The first texel in the next state of the paths of one of `classes`, and the one behind the last."""
+        return int(self._ends[path_class]), int(self._ends[path_class + 1])
+
+    @property
+    def ended(self) -> tuple[int, int]:
+        """The first texel in the next state of the paths that have ended, and the one behind the last."""
+        return self._run(NO_KIND)
+
+    def rectangles(self, path_class: int) -> Iterator[tuple[int, int, int, int]]:
+        """The texels of one of `classes` in the rows of the next state: x, y, width and height of a part of a row, of
+        whole rows, and of a part of a row."""
+        width = self._size[0]
+        first, last = (min(texel, self.next_rows * width) for texel in self._run(path_class))
+        while first < last:
+            y, x = divmod(first, width)
+            is_whole = x == 0 and last - first >= width
+            rows, columns = ((last - first) // width, width) if is_whole else (1, min(width - x, last - first))
+            yield x, y, columns, rows
+            first += rows * columns
 
     def advance(self) -> None:
         """The next state has become the present one."""

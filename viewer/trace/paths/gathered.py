@@ -13,11 +13,11 @@ from .arrangement import Arrangement
 
 class Gathered:
     """The pass `finish` draws into `finished` what each path that has ended adds to the sums of its home, where it
-    goes in the next state, of this `size`, and 0 where none has ended. `read` takes that, `add` adds it up in memory,
-    and `textures` has the sums of all homes of blocks that were `show`n."""
+    goes in the next state, of this `size`. `read` takes that, `add` adds it up in memory, and `textures` has the sums
+    of all homes of blocks that were `show`n. Of paths that only may have ended, `depth` tells which have."""
 
     def __init__(self, gl: moderngl.Context, arrangement: Arrangement, size: tuple[int, int],
-                 count: int, depth: moderngl.Renderbuffer) -> None:
+                 count: int, depth: moderngl.Renderbuffer | None) -> None:
         self._arrangement, self._size = arrangement, size
         homes = arrangement.homes_of.size
         self.textures = [float_target(gl, (size[0], homes // size[0])) for _ in range(count)]
@@ -25,27 +25,36 @@ class Gathered:
         self.finished = gl.framebuffer(self._drawn, depth)
         self.finished.depth_mask = False
         self._sums = np.zeros((count, homes, 4), np.float32)
-        self._rows = 0, 0
+        self._ended = 0, 0
         self._read: tuple[NDArray[np.intp], NDArray[np.float32]] | None = None
 
     def begin(self) -> None:
-        """Clear `finished`, where the next state has paths that have ended. What was drawn before has been read."""
-        assert not self._rows[1]
-        row, rows = self._rows = self._arrangement.ended_rows
-        if rows:
-            self.finished.clear(viewport=(0, row, self._size[0], rows))
+        """Make `finished` 0 where paths of the next state may have ended, if not all of it is drawn. What was drawn
+        before has been read."""
+        assert self._ended[0] == self._ended[1]
+        self._ended = self._arrangement.ended
+        if self.finished.depth_attachment is not None and self._ended[0] < self._ended[1]:
+            self.finished.clear(viewport=self._rows)
+
+    @property
+    def _rows(self) -> tuple[int, int, int, int]:
+        """The rectangle of all rows in which paths have ended."""
+        width = self._size[0]
+        row = self._ended[0] // width
+        return 0, row, width, -(-self._ended[1] // width) - row
 
     def read(self) -> None:
         """Read what was drawn last. Waits for the device."""
-        row, rows = self._rows
-        if not rows:
+        first, last = self._ended
+        if first == last:
             return
-        homes = self._arrangement.homes(row, rows).copy()  # they change with the next state
-        drawn = np.empty((len(self._sums), len(homes), 4), np.float32)
-        area = 0, row, self._size[0], rows
+        _, row, width, rows = self._rows
+        ended = slice(first - row * width, last - row * width)
+        homes = self._arrangement.homes(row, rows)[ended].copy()  # they change with the next state
+        drawn = np.empty((len(self._sums), rows * width, 4), np.float32)
         for k, texels in enumerate(drawn):
-            self.finished.read_into(texels, viewport=area, components=4, attachment=k, dtype="f4")
-        self._read, self._rows = (homes, drawn), (0, 0)
+            self.finished.read_into(texels, viewport=self._rows, components=4, attachment=k, dtype="f4")
+        self._read, self._ended = (homes, drawn[:, ended]), (0, 0)
 
     def add(self) -> None:
         """Add what was read to the sums."""

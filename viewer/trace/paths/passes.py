@@ -20,9 +20,10 @@ from ..layout import (
     CLASS_IDLE,
     CLASS_MEDIUM,
     CLASS_SHADE,
+    NO_KIND,
 )
 from ..plan import TracePlan
-from ..rays.intersect import Answer
+from ..rays.intersect import CLASS_OF_IDLE, Answer
 from .sky import Sky
 from .wavefront import UNITS, Wavefront
 
@@ -31,6 +32,9 @@ _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, 
             "medium": CLASS_MEDIUM, "airlight": CLASS_AIRLIGHT,
             **{kind.name: CLASS_SHADE + kind.number for kind in KINDS}}
 """The class of the paths that a pass shades."""
+_SORTED_CLASSES = {"finish": NO_KIND, "generate": NO_KIND, **{kind.name: kind.number for kind in KINDS},
+                   "idle": CLASS_OF_IDLE}
+"""The same by `viewer.trace.rays.intersect.Answer.classes`, outside of media."""
 _OVER_BLOCKS = ("begin", "zero", "begin sums")
 
 
@@ -60,6 +64,7 @@ class Passes:
         self._uniforms = {**uniforms, **UNITS}
         self._layers = tuple(name for name in ("layers", "fibre layers", "medium layers") if name in plan.programs)
         self._shading = (*plan.surfaces, *plan.media)
+        self._knows_classes = plan.knows_classes
         self._programs = {}
         for name, program in plan.programs.items():
             self._programs[name] = programs.get(vertex_shader(name, plan.is_sorted), program.fragment,
@@ -108,14 +113,32 @@ class Passes:
             gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
             for name in self._layers:
                 self._draw(name)
+            gl.depth_func = "<"
         if wavefront.arrangement is not None:
             wavefront.sort(answer)
+        if self._knows_classes:
+            self._shade_in_order(wavefront)
+            return
         self._classify(wavefront, "classify")
         finished = wavefront.sums.framebuffer if wavefront.gathered is None else wavefront.gathered.finished
         finished.use()
         gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._draw("finish")
         self._advance(wavefront)
+
+    def _shade_in_order(self, wavefront: Wavefront) -> None:
+        """As `shade`, where the paths of each class are known: a pass draws their texels alone. Without a test of the
+        depth it need not read what it draws over, which no cache holds."""
+        arrangement, gathered = wavefront.arrangement, wavefront.gathered
+        assert arrangement is not None and gathered is not None
+        self._gl.enable_only(moderngl.NOTHING)
+        for target, names in ((gathered.finished, ("finish",)), (wavefront.next, ("generate", *self._shading, "idle"))):
+            target.use()
+            for name in names:
+                for rectangle in arrangement.rectangles(_SORTED_CLASSES[name]):
+                    target.scissor = rectangle
+                    self._draw(name)
+        wavefront.swap()
 
     def _bind_wavefront(self, wavefront: Wavefront) -> None:
         """Bind the scene and the present state, and follow its rays through volumes."""

@@ -77,7 +77,8 @@ class Wavefront:
     and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, with `has_along`, `along`
     (viewer/trace/rays/intersect.py). `classes` has the class of each path as a depth value, and `alive` says
     for each block, in one texel, whether any of its paths is not idle.
-    With `is_sorted` an `arrangement` says where the paths lie; else each lies in the texel of its block and pixel.
+    With `is_sorted` an `arrangement` says where the paths lie; else each lies in the texel of its block and pixel. With
+    `knows_classes` it tells their classes, too.
     `work`, (blocks, 4) int32, has the work items of the blocks, as in `Work`. `is_busy`, (blocks,), says which of them
     may not be done yet. With `chooses`, `chosen`, (blocks, TILE, TILE), says which pixels the work of a block is for.
     """
@@ -93,7 +94,7 @@ class Wavefront:
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
                  has_along: bool = False, has_grids: bool = False, sees_backs: bool = False,
                  is_sorted: bool = False, chooses: bool = False, more_homes: int = 1,
-                 covered: NDArray[np.bool_] | None = None) -> None:
+                 covered: NDArray[np.bool_] | None = None, knows_classes: bool = False) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows * more_homes
         self.sees_backs = sees_backs
@@ -126,7 +127,8 @@ class Wavefront:
         self.layers = Sums(gl, self.size, LAYERS, depth) if has_layers else None
         self.gathered: Gathered | None = None
         if self.arrangement is not None:
-            self.gathered = Gathered(gl, self.arrangement, self.size, SUMS, depth)
+            self.gathered = Gathered(gl, self.arrangement, self.size, SUMS, None if knows_classes else depth)
+        self._knows_classes = knows_classes
         self.begun_rows = 0, 0
         """The first row, and the number of rows, of a sorted wavefront that have the paths of work assigned last."""
         self._covered = covered
@@ -158,11 +160,13 @@ class Wavefront:
         return self._origins[1 - self._present]
 
     def sort(self, answer: Answer) -> None:
-        """Arrange the next state by the classes of the paths, and draw of it only the rows whose paths are not
+        """Arrange the next state by the classes of the paths, and draw of it at most the rows whose paths are not
         idle."""
         assert self.arrangement is not None and self.gathered is not None
         self.arrangement.sort(answer.classes)
         self.gathered.begin()
+        if self._knows_classes:
+            return
         area = 0, 0, self.size[0], self.arrangement.next_rows
         for target in (self.classes, self.next, self.next_origin, self.gathered.finished):
             target.scissor = area

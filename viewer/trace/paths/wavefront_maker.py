@@ -40,4 +40,4 @@ class WavefrontMaker:
         return Wavefront(self._context, self._columns, self._rows, plan.has_transmission, has_layers,
                          plan.has_along, plan.has_grids, sees_backs, is_sorted, chooses,
                          MORE_HOMES if is_sorted and (chooses or covered is not None) and not has_layers else 1,
-                         covered if is_sorted else None)
+                         covered if is_sorted else None, is_sorted and plan.knows_classes)
