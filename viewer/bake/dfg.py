@@ -16,11 +16,12 @@ import numpy as np
 from ..base.resources import resource_folder
 from ..settings import MASKINGS, NDFS
 from .cache import key, load, store
-from .lobe_samples import lobe_samples
+from .lobe_samples import lobe_parts
 from .lookups import GRID, fit_lookups
 from .prefilter import level_of_roughness
 
 SIZE = 64  # the error of bilinear lookups is 6e-5 on average, and at most 2e-3 for NoV and roughness above 0.1
+_ROWS = 64
 MIN_COSINE = 1e-4  # NoV at which the row for 0 is evaluated: the limit exists, but 0 / 0 is undefined
 
 
@@ -123,4 +124,7 @@ def directional_albedo(ndf: str, masking: str, NoV: np.ndarray, alpha: float, no
     if alpha == 0:
         mirror = (1 - np.asarray(NoV, np.float64)) ** 5
         return np.stack([1 - mirror, mirror], axis=-1)
-    return lobe_samples(ndf, masking, NoV, alpha, nodes)[1].sum(axis=1)
+    NoV = np.asarray(NoV, np.float64)
+    # Some rows at a time: to get and give back the memory of more takes longer than the quadrature.
+    return np.concatenate([lobe_parts(ndf, masking, NoV[first:first + _ROWS], alpha, nodes).sum(axis=1)
+                           for first in range(0, len(NoV), _ROWS)])

@@ -16,9 +16,27 @@ towards the ends. The error of an albedo is at most 1.5e-3 (at grazing angles) w
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+
+
+class _Panel(NamedTuple):
+    """Nodes between two of the polar angles: the parts that they reflect, and what their directions follow from."""
+
+    parts: np.ndarray
+    sin_v: np.ndarray
+    sin_h: np.ndarray
+    phi: np.ndarray
+    VoH: np.ndarray
+    NoL: np.ndarray
+
+    def directions(self) -> np.ndarray:
+        across = 2 * self.VoH * self.sin_h
+        l = np.stack([self.NoL, self.sin_v - across * np.cos(self.phi), across * np.sin(self.phi)], axis=-1)  # noqa: E741
+        return l.reshape(len(l), -1, 3)
 
 
 def lobe_samples(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -28,6 +46,17 @@ def lobe_samples(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: i
     A direction has its components along n, along the projection of the mirror direction onto the tangent plane, and
     across both. The last is never negative: the lobe is symmetric, and one half of it stands for the whole.
     """
+    panels = list(_panels(ndf, masking, NoV, alpha, nodes))
+    return (np.concatenate([panel.directions() for panel in panels], axis=1),
+            np.concatenate([panel.parts for panel in panels], axis=1))
+
+
+def lobe_parts(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: int) -> np.ndarray:
+    """The second of `lobe_samples` alone."""
+    return np.concatenate([panel.parts for panel in _panels(ndf, masking, NoV, alpha, nodes)], axis=1)
+
+
+def _panels(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: int) -> Iterator[_Panel]:
     NoV = np.asarray(NoV, np.float64)
     theta_v = np.arccos(np.minimum(NoV, 1.0))
     limits = np.stack([0 * theta_v, (np.pi / 2 - theta_v) / 2, (np.pi / 2 + theta_v) / 2])
@@ -36,7 +65,6 @@ def lobe_samples(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: i
     s, weight = (x + 1) / 2, weight / 2
     warped, warped_weight = (1 - np.cos(np.pi * s)) / 2, weight * np.pi / 2 * np.sin(np.pi * s)
 
-    directions, parts = [], []
     v = NoV[:, None, None]
     sin_v = np.sin(theta_v)[:, None, None]
     for high, low in pairwise(survival):
@@ -52,10 +80,8 @@ def lobe_samples(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: i
         integrand = _masking(ndf, masking, v, NoL, NoH, VoH, alpha) * VoH / (v * NoH)
         integrand = integrand * phi_max / np.pi * weight * ((high - low)[:, None] * warped_weight)[:, :, None]
         fresnel = np.clip(1 - VoH, 0, 1) ** 5
-        l = np.stack([NoL, sin_v - 2 * VoH * sin_h * np.cos(phi), 2 * VoH * sin_h * np.sin(phi)], axis=-1)  # noqa: E741
-        directions.append(l.reshape(len(NoV), -1, 3))
-        parts.append(np.stack([integrand * (1 - fresnel), integrand * fresnel], axis=-1).reshape(len(NoV), -1, 2))
-    return np.concatenate(directions, axis=1), np.concatenate(parts, axis=1)
+        parts = np.stack([integrand * (1 - fresnel), integrand * fresnel], axis=-1).reshape(len(NoV), -1, 2)
+        yield _Panel(parts, sin_v, sin_h, phi, VoH, NoL)
 
 
 def _survival(ndf: str, tan2: np.ndarray, alpha: float) -> np.ndarray:
