@@ -13,7 +13,7 @@ from viewer.measure.check.energy import check_lobe
 from viewer.measure.check.fibres import check_fibres
 from viewer.measure.check.furnace import FURNACE_BOUND, lit_furnace
 from viewer.measure.check.lobe_cases import lobe_cases
-from viewer.measure.check.lobe_stability import check_lobe_stability
+from viewer.measure.check.lobe_stability import check_lobe_sweep, lobe_sweeps
 from viewer.measure.check.media import check_media
 from viewer.measure.check.stability import check_sweep, sweeps
 from viewer.measure.check.woven import check_woven
@@ -38,8 +38,8 @@ def energy(lobe: str) -> Checks:
     return lambda: (check for case in lobe_cases() if case.name == lobe for check in check_lobe(case))
 
 
-def lobe_values() -> Iterator[Check]:
-    return check_lobe_stability()
+def lobe_values(lobe: str) -> Checks:
+    return lambda: [check_lobe_sweep(sweep) for sweep in lobe_sweeps() if sweep.name == lobe]
 
 
 def furnace_of_lights() -> Iterator[Check]:
@@ -80,9 +80,10 @@ WRONG_FORMULAS = [
                  values("srgb_from_linear")),
     WrongFormula("transmission with the reflection's G2", "bsdf/lobe/dielectric.glsl",
              "float g2 = g2_transmission_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));",
-             "float g2 = 1.0 / (1.0 + lambda_ggx_local(wo, a) + lambda_ggx_local(wi, a));", lobe_values),
+             "float g2 = 1.0 / (1.0 + lambda_ggx_local(wo, a) + lambda_ggx_local(wi, a));",
+             lobe_values("dielectric")),
     WrongFormula("a wall of one face", "bsdf/lobe/thin_dielectric.glsl", "return 2.0 * R / (1.0 + R);", "return R;",
-             lobe_values),
+             lobe_values("thin_dielectric")),
     WrongFormula("the peak of a phase function by subtraction", "media/phase.glsl",
                  "float t2 = (1.0 - g) * (1.0 - g) + 2.0 * g * x;", "float t2 = 1.0 + g * g - 2.0 * g * (1.0 - x);",
                  values("phase_eval")),

@@ -25,7 +25,9 @@ ETA = (1.05, 1.5, 2.4, 1 / 1.5)
 
 
 @dataclass(frozen=True)
-class _Lobe:
+class LobeSweep:
+    """A lobe of `LOBES` by its name, sets of its parameters, and `exact`, its value in float64."""
+
     name: str
     parameters: dict[str, np.ndarray]
     exact: Callable[..., np.ndarray]
@@ -37,49 +39,53 @@ class _Lobe:
 
 
 def check_lobe_stability() -> Iterator[Check]:
-    """A row for each lobe that has a reference: its largest relative error where its value is not negligible."""
-    table = {lobe.name: lobe for lobe in LOBES}
-    for case in _lobes():
-        lobe = table[case.name]
-        sets = len(next(iter(case.parameters.values())))
-        wo = np.repeat(directions(NOV), sets, axis=0).astype(np.float32).astype(np.float64)
-        m = {name: np.tile(value, (len(NOV), *[1] * (value.ndim - 1)))[:, None]
-             for name, value in case.parameters.items()}
-        wi, valid = _half_vector_grid(wo, None if case.eta is None else np.tile(case.eta, len(NOV)))
-        wi = wi * [1, 1, -1] if case.mirrors else wi
-        found = lobe.eval(lobe.struct(**m), wo[:, None], wi)[..., 0].astype(np.float64)
-        with np.errstate(all="ignore"):
-            exact = case.exact(np.broadcast_to(wo[:, None], wi.shape), wi, **m)
-        counted = valid & (exact > 1e-6 * np.where(valid, exact, 0).max(axis=1, keepdims=True))
-        share = np.minimum(np.where(counted, exact, 0) / max(case.floor, 1e-300), 1)
-        relative = np.where(counted, relative_error(found, exact), 0.0) * share
-        error = np.where(np.isfinite(found), relative, np.inf)
-        worst = np.unravel_index(np.argmax(error), error.shape)
-        ulp = np.abs(found[worst] - exact[worst]) / np.spacing(np.float32(max(exact[worst], 1e-30)))
-        place = ", ".join(f"{name} {np.array2string(value[worst[0], 0], precision=3)}" for name, value in m.items())
-        what = f"{case.name}, transmitted" if case.mirrors or case.eta is not None else case.name
-        yield Check("float32", f"{what}, all directions", float(error[worst]), case.bound,
-                    note=f"{ulp:.0f} ulp; worst at NoV {wo[worst[0], 2]:.2g}, {place}")
+    """A row for each lobe that has a reference."""
+    return map(check_lobe_sweep, lobe_sweeps())
 
 
-def _lobes() -> Iterator[_Lobe]:
+def check_lobe_sweep(sweep: LobeSweep) -> Check:
+    """The lobe's largest relative error where its value is not negligible."""
+    lobe = next(lobe for lobe in LOBES if lobe.name == sweep.name)
+    sets = len(next(iter(sweep.parameters.values())))
+    wo = np.repeat(directions(NOV), sets, axis=0).astype(np.float32).astype(np.float64)
+    m = {name: np.tile(value, (len(NOV), *[1] * (value.ndim - 1)))[:, None]
+         for name, value in sweep.parameters.items()}
+    wi, valid = _half_vector_grid(wo, None if sweep.eta is None else np.tile(sweep.eta, len(NOV)))
+    wi = wi * [1, 1, -1] if sweep.mirrors else wi
+    found = lobe.eval(lobe.struct(**m), wo[:, None], wi)[..., 0].astype(np.float64)
+    with np.errstate(all="ignore"):
+        exact = sweep.exact(np.broadcast_to(wo[:, None], wi.shape), wi, **m)
+    counted = valid & (exact > 1e-6 * np.where(valid, exact, 0).max(axis=1, keepdims=True))
+    share = np.minimum(np.where(counted, exact, 0) / max(sweep.floor, 1e-300), 1)
+    relative = np.where(counted, relative_error(found, exact), 0.0) * share
+    error = np.where(np.isfinite(found), relative, np.inf)
+    worst = np.unravel_index(np.argmax(error), error.shape)
+    ulp = np.abs(found[worst] - exact[worst]) / np.spacing(np.float32(max(exact[worst], 1e-30)))
+    place = ", ".join(f"{name} {np.array2string(value[worst[0], 0], precision=3)}" for name, value in m.items())
+    what = f"{sweep.name}, transmitted" if sweep.mirrors or sweep.eta is not None else sweep.name
+    return Check("float32", f"{what}, all directions", float(error[worst]), sweep.bound,
+                 note=f"{ulp:.0f} ulp; worst at NoV {wo[worst[0], 2]:.2g}, {place}")
+
+
+def lobe_sweeps() -> Iterator[LobeSweep]:
+    """Everything that is measured."""
     sigma = np.linspace(0.01, 1, 7)
-    yield _Lobe("eon", {"sigma": sigma}, lambda wo, wi, sigma: reference.eon(wo, wi, sigma), 1e-5, floor=0.01)
-    yield _Lobe("burley", {"perceptual_roughness": sigma},
-                lambda wo, wi, perceptual_roughness: reference.burley(wo, wi, perceptual_roughness), 1e-5)
-    yield _Lobe("ggx", {"alpha": ALPHA}, lambda wo, wi, alpha: reference.ggx_reflection(wo, wi, alpha)[0], 1e-5)
+    yield LobeSweep("eon", {"sigma": sigma}, lambda wo, wi, sigma: reference.eon(wo, wi, sigma), 1e-5, floor=0.01)
+    yield LobeSweep("burley", {"perceptual_roughness": sigma},
+                    lambda wo, wi, perceptual_roughness: reference.burley(wo, wi, perceptual_roughness), 1e-5)
+    yield LobeSweep("ggx", {"alpha": ALPHA}, lambda wo, wi, alpha: reference.ggx_reflection(wo, wi, alpha)[0], 1e-5)
     # Narrower ones count as mirrors: bsdf.glsl's DELTA_ALPHA.
     # The transmittance of the interface comes from the table of albedos, least exact for smooth ones at grazing.
-    yield _Lobe("standard", {"alpha": ALPHA[:5, 0], "metallic": np.zeros(5)},
-                lambda wo, wi, alpha, metallic: reference.standard_dielectric(wo, wi, alpha), 1e-2)
+    yield LobeSweep("standard", {"alpha": ALPHA[:5, 0], "metallic": np.zeros(5)},
+                    lambda wo, wi, alpha, metallic: reference.standard_dielectric(wo, wi, alpha), 1e-2)
     pairs = [(eta, alpha) for eta in ETA for alpha in ALPHA if alpha.max() * abs(eta - 1) > 1e-3]
     eta, alpha = np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
     # At eta 1.05 the half vector has lost a digit and a half, and alpha takes as many again.
-    yield _Lobe("dielectric", {"eta": eta, "alpha": alpha},
-                lambda wo, wi, eta, alpha: reference.ggx_transmission(wo, wi, alpha, eta), 1e-2, eta)
-    yield _Lobe("thin_dielectric", {"eta": eta, "alpha": alpha},
-                lambda wo, wi, eta, alpha: reference.thin_walled_transmission(wo, wi, alpha, eta), 1e-4,
-                mirrors=True)
+    yield LobeSweep("dielectric", {"eta": eta, "alpha": alpha},
+                    lambda wo, wi, eta, alpha: reference.ggx_transmission(wo, wi, alpha, eta), 1e-2, eta)
+    yield LobeSweep("thin_dielectric", {"eta": eta, "alpha": alpha},
+                    lambda wo, wi, eta, alpha: reference.thin_walled_transmission(wo, wi, alpha, eta), 1e-4,
+                    mirrors=True)
 
 
 def _half_vector_grid(wo: np.ndarray, eta: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
