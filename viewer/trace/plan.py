@@ -102,6 +102,9 @@ class TracePlan:
 _MISSING = "no path from the camera can hit them", NO_TRIANGLES, DEEP_GLASS
 _MEDIA = {"medium": "HAS_SCATTERING", "airlight": "HAS_AIRLIGHT"}
 """The passes between surfaces, and their switches."""
+_STATE = ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED", "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE",
+          "HAS_SEE_THROUGH", DISPERSION.switch)
+"""Switches of what the state of a path holds."""
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
 """Switches of lights that may be on even if the scene has no such light."""
 
@@ -135,9 +138,7 @@ def plan_trace(
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     kinds |= {FIBRE} if geometry.curves is not None else set()
-    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", "HAS_SEE_THROUGH",
-                                               DISPERSION.switch, "SORTED")}
+    state = {name: switches[name] for name in (*_STATE, "SORTED")}
     first, chooses = state | {"RAYS": rays}, {"CHOOSES_PIXELS": int(settings.is_adaptive)}
     generate, begins = "trace/generate.frag", first
     if rays == FROM_SURFACE and switches["HAS_EMITTERS"]:
@@ -183,9 +184,7 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
     light = {"PHOTONS": 1, "HAS_CLEARANCE": 0, "HAS_DEEP_MEDIA": 0,  # they are connected at every collision
              "HAS_CAUSTIC_GUIDE": 0, "SORTED": 0}
     switches, classes = {**switches, "HAS_CAUSTIC_GUIDE": 0, "SORTED": 0}, {**classes, "SORTED": 0}
-    first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", "HAS_SEE_THROUGH",
-                                               DISPERSION.switch, "LIGHT_RADIUS")}
+    first = {name: switches[name] for name in (*_STATE, "LIGHT_RADIUS")}
     shading = {name: Program.of(program.fragment, dict(program.switches) | light)
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
