@@ -16,8 +16,8 @@ void main() {
     uvec2 bits = chosen_samples(texelFetch(u_chosen, pixel, 0).xy);
     vec4 second = texelFetch(u_second, pixel, 0), sum = vec4(0.0);
     vec2 seen = vec2(0.0);
-#if OVER
     bits = bits.x == 0u ? bits.yx : bits; // a background alone was drawn in the place of the first
+#if OVER
     for (int k = 0; k < SAMPLES; ++k) {
         vec4 over = texelFetch(u_samples, pixel, k);
         sum += over;

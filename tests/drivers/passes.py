@@ -25,7 +25,6 @@ _OVER_PICTURES: dict[str, dict[str, tuple[float, ...]]] = {
     "raster/choose_second.frag": {"TRIANGLE_BITS": (22,), "OBJECTS": (1 << 20,), "FAR": (0, 1), "SAMPLES": (2, 4),
                                   "NOTHING": (0.5,)},
     "raster/resolve_second.frag": {"SAMPLES": (2, 4), "OVER": (0, 1)},
-    "raster/resolve_deferred.frag": {"SAMPLES": (2, 4)},
     "raster/background.frag": {"HALF_TARGET": (0, 1), "SMOOTH": (0, 1), "MEDIA": (0, 1)},
     "raster/media_sky.frag": {"HALF_TARGET": (0, 1)},
     "raster/backdrop.frag": {"LEVEL": (0, 1)},

@@ -37,6 +37,8 @@ _OBJECTS = 1 << 20
 """Objects are stored as depths: (number + 1) / _OBJECTS is exact."""
 _NOTHING = 0.5
 """The depth where no surface is the second one: neither an object's nor the background's."""
+_ALL_SAMPLES = 0xF << 28
+"""Of a pixel's first surface, where this is the background (shaders/raster/chosen.glsl)."""
 _COLOR, _DEPTH = 0x1800, 0x1801  # of glClearBuffer
 _SRC1_COLOR = 0x88F9
 
@@ -51,12 +53,12 @@ class DeferredSurfaces:
 
     def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object],
              draw_background: Callable[[], None]) -> Layers:
-        """Draw them into the depth of `target`, within `Depth.test()`, and return their radiance in pixels. With
-        `Plan.is_over_layers` the target is cleared here, where something is drawn, and the background belongs to the
-        layers: `draw_background` draws it into the framebuffer in use."""
+        """Clear `target` where something is drawn, draw them into its depth, within `Depth.test()`, and return their
+        radiance in pixels. With `Plan.is_over_layers` the background belongs to the layers: `draw_background` draws it
+        into the framebuffer in use."""
         draws = [draw for draw in plan.draws if draw.is_deferred]
-        layers = self._layers.get(lambda held: held.fits(target, plan.is_over_layers),
-                                  lambda: Layers(self._context, self._depth, target, plan.is_over_layers))
+        layers = self._layers.get(lambda held: held.target is target,
+                                  lambda: Layers(self._context, self._depth, target))
         layers.has_background = plan.is_over_layers and plan.background
         triangles = self._triangles.get(lambda held: held.fits(frame.scene, draws),
                                         lambda: NumberedTriangles(self._context, frame.scene, draws))
@@ -64,9 +66,9 @@ class DeferredSurfaces:
         boxes = {draw.instance: pixel_box(frame, draw.instance, part) for draw in draws if frame.visible[draw.instance]}
         others = [instance for draw in plan.draws if not draw.is_deferred
                   for instance in draw.instances or (draw.instance,) if frame.visible[instance]]
-        over = union([pixel_box(frame, instance, part) for instance in others])
-        box = union([*boxes.values(), over])
-        layers.clear(self._programs, box, pixel_rows(frame, triangles.corners, box, over), over)
+        over = union([pixel_box(frame, instance, part) for instance in others]) if plan.is_over_layers else part
+        box = union(list(boxes.values()))
+        layers.clear(self._programs, union([box, over]), pixel_rows(frame, triangles.corners, box), over)
         self._surfaces.draw_triangles(
             frame, plan, uniforms, lambda draw, mesh: {"u_first_triangle": triangles.first[draw.instance]})
         self._choose(frame, layers, triangles)
@@ -133,12 +135,12 @@ class DeferredSurfaces:
 class Layers:
     """The triangles of the samples of a target, the surfaces chosen in its pixels, and the radiance of these.
 
-    `in_place` is `Plan.is_over_layers`. The first surfaces are then shaded in their place in the picture, and only
-    pixels with a second one, or near what is drawn over them, are resolved.
+    The first surfaces are shaded in their place in the picture, and only pixels with a second one, or where something
+    may be drawn over them, are resolved.
     """
 
-    def __init__(self, context: Context, depth: Depth, target: Target, in_place: bool) -> None:
-        self._gl, self._depth, self._target, self._in_place = context.gl, depth, target, in_place
+    def __init__(self, context: Context, depth: Depth, target: Target) -> None:
+        self._gl, self._depth, self.target = context.gl, depth, target
         self.samples = target.samples
         self._clear_integers, self._clear_floats = (
             context.function(f"glClearBuffer{kind}", ctypes.c_int, ctypes.c_int, ctypes.c_void_p)
@@ -150,101 +152,77 @@ class Layers:
         self._depths = depth.renderbuffer(size), depth.renderbuffer(size)
         self.choosing = gl.framebuffer([chosen], self._depths[0])
         self.second = gl.framebuffer((), self._depths[1])
-        self._radiance = [nearest_texture(gl, size, dtype) for _ in range(1 if in_place else 2)]
-        first = target.radiance if in_place else self._radiance[1]
-        self.shaded = [gl.framebuffer([first], self._depths[0]), gl.framebuffer([self._radiance[0]], self._depths[1])]
+        self.shaded = [gl.framebuffer([target.radiance], self._depths[0]),
+                       gl.framebuffer([nearest_texture(gl, size, dtype)], self._depths[1])]
         self._mixed = gl.framebuffer([target.radiance], self._depths[1])
         for framebuffer in (*self.shaded, self._mixed):
             framebuffer.depth_mask = False
-        self._copied: moderngl.Framebuffer | None = None
         self.box = 0, 0, 0, 0
-        """The rectangle of pixels (x, y, width, height) outside of which there is no object."""
+        """The rectangle of pixels (x, y, width, height) outside of which there are no samples."""
         self.rows: list[Box] = []
-        """Rectangles in it, outside of which there is none, either."""
+        """Rectangles in it, outside of which there are no deferred surfaces."""
         self.over = 0, 0, 0, 0
-        """The one outside of which nothing is drawn over them."""
+        """The one in it outside of which nothing is drawn over them."""
         self.has_background = False
         """Whether the background is the first or the second surface of pixels."""
 
-    def fits(self, target: Target, in_place: bool) -> bool:
-        return self._target is target and self._in_place == in_place
-
     def clear(self, programs: Programs, box: Box, rows: list[Box], over: Box) -> None:
-        """Clear the samples, with `in_place` also the target, for a frame of this `box`, `rows` and `over`, and leave
-        `numbers` in use. Mesa's software rasteriser fills a tile of pixels with all that is drawn into a framebuffer
-        while it is in use."""
-        self.box, self.rows, self.over, in_place = box, rows, over, self._in_place
-        if in_place and not self.has_background:
-            self._target.resolved.use()
-            self._target.resolved.clear()
-        if in_place and over[2]:
-            self._target.framebuffer.scissor = over
-            self._target.framebuffer.use()
+        """Clear the samples and the target, for a frame of this `box`, `rows` and `over`, and leave `numbers` in use.
+        Mesa's software rasteriser fills a tile of pixels with all that is drawn into a framebuffer while it is in use.
+        """
+        self.box, self.rows, self.over = box, rows, over
+        if not self.has_background:
+            self.target.resolved.use()
+            self.target.resolved.clear()
+        if over[2]:
+            self.target.framebuffer.scissor = over
+            self.target.framebuffer.use()
             self._clear_floats(_COLOR, 0, (ctypes.c_float * 4)())
         # With a scissor, OpenGL in software draws a rectangle for each buffer; here one triangle, 0, clears both.
         program = programs.get(FULLSCREEN, TRIANGLES.fragment, {})
         set_uniform(program, "u_first_triangle", 0)
         self.numbers.use()
-        self._gl.enable_only(moderngl.DEPTH_TEST if in_place else moderngl.NOTHING)
+        self._gl.enable_only(moderngl.DEPTH_TEST)
         with self._depth.as_far():
-            self.draw_rows(self.numbers, program)
+            self._draw_in([box] if over[2] else rows, self.numbers, program)
         self.numbers.scissor = box
 
     def use_cleared(self, framebuffer: moderngl.Framebuffer, depth: float) -> None:
         """Use `choosing` or `second`, cleared to this depth."""
-        framebuffer.scissor = self._target.part
+        framebuffer.scissor = self.target.part
         framebuffer.use()
-        if framebuffer is self.choosing and not self._in_place:
-            self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)())
+        if framebuffer is self.choosing and self.over[2]:
+            self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)(_ALL_SAMPLES if self.has_background else 0))
         self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(depth))
 
     def draw_rows(self, framebuffer: moderngl.Framebuffer, program: moderngl.Program) -> None:
         """Draw full-screen triangles in the rows of `framebuffer`, which is in use."""
+        self._draw_in(self.rows, framebuffer, program)
+
+    def _draw_in(self, parts: list[Box], framebuffer: moderngl.Framebuffer, program: moderngl.Program) -> None:
         triangle = fullscreen(self._gl, program)
-        for row in self.rows:
-            framebuffer.scissor = row
+        for part in parts:
+            framebuffer.scissor = part
             triangle.render(vertices=3)
 
     def resolve(self, programs: Programs, unit: int) -> None:
         """As `Behind.resolve`."""
-        if not self._in_place:
-            self._gl.enable_only(moderngl.NOTHING)
-            program = programs.get(FULLSCREEN, "raster/resolve_deferred.frag", {"SAMPLES": self.samples})
-            self._resolve(program, unit, self._target.resolved, self._target.part)
-            return
-        with self._depth.test():
-            self._mix(programs, unit, self._mixed)
+        with self._depth.test(), self._depth.except_at(_NOTHING):
+            self._mix(programs, unit, self._mixed, moderngl.DEPTH_TEST)
 
-    def so_far(self, programs: Programs, unit: int) -> moderngl.Texture:
-        """As `Behind.so_far`, within `Depth.test()`."""
-        if not self._in_place:
-            self.resolve(programs, unit)
-            return self._target.radiance
-        if self._copied is None:
-            target = self._target
-            copy = nearest_texture(self._gl, target.drawn_size, "f2" if target.half else "f4")
-            self._copied = self._gl.framebuffer([copy], self._depths[1])
-            self._copied.depth_mask = False
-        self._gl.enable_only(moderngl.NOTHING)
-        self._resolve(programs.get(FULLSCREEN, "raster/backdrop.frag", {"LEVEL": 0}), unit, self._copied,
-                      self._target.part)
-        self._mix(programs, unit, self._copied)
-        return self._copied.color_attachments[0]
+    def mix(self, programs: Programs, unit: int, framebuffer: moderngl.Framebuffer) -> None:
+        """As `Behind.mix`."""
+        self._mix(programs, unit, framebuffer, moderngl.NOTHING)
 
-    def _mix(self, programs: Programs, unit: int, framebuffer: moderngl.Framebuffer) -> None:
-        """Add the second surfaces, and what was drawn over both, to the first ones, which `framebuffer` has, within
-        `Depth.test()`."""
+    def _mix(self, programs: Programs, unit: int, framebuffer: moderngl.Framebuffer, test: int) -> None:
+        """Add the second surfaces, and what was drawn over both, to the first ones, which `framebuffer` has. With a
+        depth test, pixels without a second surface are left out where nothing is drawn over them."""
         self._gl.blend_func = moderngl.ONE, _SRC1_COLOR
-        second = "raster/resolve_second.frag"
-        if self.over[2]:
-            self._gl.enable_only(moderngl.BLEND)
-            self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 1}), unit, framebuffer,
-                          self.over)
-        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-        with self._depth.except_at(_NOTHING):
-            for part in around(self.over, self.box):
-                self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 0}), unit, framebuffer,
-                              part)
+        for is_over, parts in ((1, [self.over] if self.over[2] else []), (0, around(self.over, self.box))):
+            program = programs.get(FULLSCREEN, "raster/resolve_second.frag", {"SAMPLES": self.samples, "OVER": is_over})
+            self._gl.enable_only(moderngl.BLEND | (0 if is_over else test))
+            for part in parts:
+                self._resolve(program, unit, framebuffer, part)
         # OpenGL draws nothing into several textures while a second source is set, and Mesa not even unblended.
         self._gl.blend_func = moderngl.ONE, moderngl.ZERO
 
@@ -253,17 +231,14 @@ class Layers:
         framebuffer.scissor = box
         framebuffer.use()
         set_uniform(program, "u_samples", unit)
-        textures = {"u_chosen": self.choosing, "u_second": self.shaded[1], "u_first": self.shaded[0],
-                    "u_source": self.shaded[0]}
-        for place, name in enumerate(name for name in textures if name in program):
-            textures[name].color_attachments[0].use(place)
+        for place, (name, source) in enumerate((("u_chosen", self.choosing), ("u_second", self.shaded[1]))):
+            source.color_attachments[0].use(place)
             set_uniform(program, name, place)
         fullscreen(self._gl, program).render(vertices=3)
 
     def release(self) -> None:
         self._gl.screen.use()
-        copied = [] if self._copied is None else [self._copied, *self._copied.color_attachments]
-        colors = [*self.numbers.color_attachments, *self.choosing.color_attachments, *self._radiance]
-        for thing in (self.numbers, self.choosing, self.second, *self.shaded, self._mixed, *copied, *colors,
-                      *self._depths):
+        owners = self.numbers, self.choosing, self.shaded[1]
+        colors = [color for owner in owners for color in owner.color_attachments]
+        for thing in (*owners, self.second, self.shaded[0], self._mixed, *colors, *self._depths):
             thing.release()

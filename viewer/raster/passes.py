@@ -114,7 +114,7 @@ class Passes:
                 self._count(plan, frame, target, settings, uniforms)
                 return
             target.behind = None
-            if not plan.is_over_layers:
+            if not plan.has_deferred:
                 target.framebuffer.use()
                 target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
             self._draw_surfaces(plan, frame, pixels, target, settings, uniforms, media)
@@ -250,9 +250,8 @@ class Passes:
     def _take_backdrop(self, target: Target) -> dict[str, object]:
         """Copy the picture so far, for transmissive surfaces. Leaves the target's framebuffer in use."""
         self._gl.clear_samplers()
-        picture = target.so_far(self._programs, UNIT_RADIANCE)
         backdrop = self._backdrop.get(lambda held: held.fits(target), lambda: Backdrop(self._context, target))
-        uniforms = backdrop.take(self._programs, picture, UNIT_RADIANCE)
+        uniforms = backdrop.take(self._programs, target, UNIT_RADIANCE)
         target.framebuffer.use()
         return uniforms
 

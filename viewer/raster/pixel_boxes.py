@@ -34,8 +34,8 @@ def cell_corners(positions: np.ndarray) -> np.ndarray:
     return np.concatenate([np.stack([ends[k >> axis & 1][:, axis] for axis in range(3)], axis=1) for k in range(8)])
 
 
-def pixel_rows(frame: Frame, points: np.ndarray, box: Box, over: Box) -> list[Box]:
-    """Rectangles within `box` that hold all pixels of the convex hull of `points` (N, 3), in world axes, and of `over`.
+def pixel_rows(frame: Frame, points: np.ndarray, box: Box) -> list[Box]:
+    """Rectangles within `box` that hold all its pixels of the convex hull of `points` (N, 3), in world axes.
 
     The hull lies between its tangents in 32 directions.
     """
@@ -52,8 +52,6 @@ def pixel_rows(frame: Frame, points: np.ndarray, box: Box, over: Box) -> list[Bo
     left = np.floor(np.minimum(reach[:-1], reach[1:])[:, ~is_right].max(axis=1)).clip(x, x + width)
     rows = []
     for low, high, first, last in zip(ends[:-1].tolist(), ends[1:].tolist(), left.tolist(), right.tolist()):
-        if over[2] and low < over[1] + over[3] and over[1] < high:
-            first, last = min(first, over[0]) if first < last else over[0], max(last, over[0] + over[2])
         if first < last:
             rows.append((int(first), low, int(last - first), high - low))
     return rows

@@ -11,15 +11,17 @@ from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from .depth import Depth
 
+_FULLSCREEN = "display/fullscreen.vert"
+
 
 class Behind(Protocol):
-    """What lies behind the samples of a frame, where they are transparent."""
+    """What lies behind the samples of a frame, where they are transparent, with its first surfaces in `radiance`."""
 
     def resolve(self, programs: Programs, unit: int) -> None:
         """As `Target.resolve`, with the samples' texture in `unit`."""
 
-    def so_far(self, programs: Programs, unit: int) -> moderngl.Texture:
-        """As `Target.so_far`, likewise."""
+    def mix(self, programs: Programs, unit: int, framebuffer: moderngl.Framebuffer) -> None:
+        """The same in a `framebuffer` with a copy of `radiance`, within `Depth.test()`."""
 
 
 class Target:
@@ -81,24 +83,40 @@ class Target:
         """
         if self._color is None:
             return
-        self._color.use(unit)
         if self.behind is not None:
+            self._color.use(unit)
             self.behind.resolve(programs, unit)
             return
-        program = programs.get("display/fullscreen.vert", "raster/resolve.frag", {
-            "SAMPLES": self.samples, "SUPERSAMPLING": self.supersampling})
-        self.resolved.use()
-        self._gl.enable_only(moderngl.NOTHING)
-        set_uniform(program, "u_samples", unit)
-        fullscreen(self._gl, program).render(vertices=3)
+        self._average(programs, unit, self.resolved)
 
-    def so_far(self, programs: Programs, unit: int) -> moderngl.Texture:
-        """What has been drawn of a frame that goes on, averaged as by `resolve`."""
-        if self.behind is not None and self._color is not None:
+    def so_far(self, programs: Programs, unit: int, framebuffer: moderngl.Framebuffer) -> None:
+        """Draw what there is of a frame that goes on, averaged as by `resolve`, into a `framebuffer` of one level of a
+        texture, within `Depth.test()`."""
+        if self._color is None or self.behind is not None or self.part is not None:
+            framebuffer.scissor = None
+            self._draw(programs.get(_FULLSCREEN, "raster/backdrop.frag", {"LEVEL": 0}), "u_source", self.radiance,
+                       unit, framebuffer)
+        framebuffer.scissor = self.part
+        if self._color is None:
+            return
+        if self.behind is not None:
             self._color.use(unit)
-            return self.behind.so_far(programs, unit)
-        self.resolve(programs, unit)
-        return self.radiance
+            self.behind.mix(programs, unit, framebuffer)
+            return
+        self._average(programs, unit, framebuffer)
+
+    def _average(self, programs: Programs, unit: int, framebuffer: moderngl.Framebuffer) -> None:
+        program = programs.get(_FULLSCREEN, "raster/resolve.frag", {
+            "SAMPLES": self.samples, "SUPERSAMPLING": self.supersampling})
+        self._draw(program, "u_samples", self._color, unit, framebuffer)
+
+    def _draw(self, program: moderngl.Program, name: str, texture: moderngl.Texture, unit: int,
+              framebuffer: moderngl.Framebuffer) -> None:
+        framebuffer.use()
+        self._gl.enable_only(moderngl.NOTHING)
+        texture.use(unit)
+        set_uniform(program, name, unit)
+        fullscreen(self._gl, program).render(vertices=3)
 
     def read(self) -> bytes:
         """The resolved radiance, rows from the bottom up, RGBA in the target's precision."""

@@ -29,6 +29,7 @@ class Backdrop:
         self._texture = mipmapped_texture(context, [np.zeros((h, w, 4), dtype) for w, h in self._sizes])
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = context.gl.framebuffer([self._texture])
+        self._framebuffer.viewport = 0, 0, *target.size
         integer = ctypes.c_int
         self._set_parameter = context.function("glTexParameteri", integer, integer, integer)
         self._attach = context.function("glFramebufferTexture2D", *[integer] * 5)
@@ -36,26 +37,28 @@ class Backdrop:
     def fits(self, target: Target) -> bool:
         return (self._size, self._half) == (target.size, target.half)
 
-    def take(self, programs: Programs, radiance: moderngl.Texture, unit: int) -> dict[str, object]:
-        """Copy `radiance` and filter it; uses texture `unit`. Returns the uniforms of shaders/raster/transmission.glsl.
+    def take(self, programs: Programs, target: Target, unit: int) -> dict[str, object]:
+        """Copy what `target` has so far and filter it, within `Depth.test()`; uses texture `unit`. Returns the uniforms
+        of shaders/raster/transmission.glsl.
 
         Leaves a framebuffer of its own in use.
         """
-        self._gl.enable_only(moderngl.NOTHING)
+        target.so_far(programs, unit, self._framebuffer)
+        self._framebuffer.scissor = None
         self._framebuffer.use()
+        self._gl.enable_only(moderngl.NOTHING)
         # We draw into level k and read level k - 1: allowed if k - 1 is the only level that can be read.
         self._texture.filter = moderngl.LINEAR, moderngl.LINEAR
-        radiance.use(unit)
-        for level, size in enumerate(self._sizes):
-            program = programs.get("display/fullscreen.vert", "raster/backdrop.frag", {"LEVEL": min(level, 1)})
-            set_uniform(program, "u_source", unit)
-            if level > 0:
-                self._texture.use(unit)
-                self._show_levels(level - 1, level)
+        self._texture.use(unit)
+        program = programs.get("display/fullscreen.vert", "raster/backdrop.frag", {"LEVEL": 1})
+        set_uniform(program, "u_source", unit)
+        for level, size in enumerate(self._sizes[1:], 1):
+            self._show_levels(level - 1, level)
             self._attach(_FRAMEBUFFER, _COLOR_ATTACHMENT, _TEXTURE_2D, self._texture.glo, level)
             self._gl.viewport = 0, 0, *size
             fullscreen(self._gl, program).render(vertices=3)
-        self._texture.use(unit)
+        self._attach(_FRAMEBUFFER, _COLOR_ATTACHMENT, _TEXTURE_2D, self._texture.glo, 0)
+        self._gl.viewport = 0, 0, *self._size
         self._show_levels(0, len(self._sizes) - 1)
         self._texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
         return {"u_backdrop": unit}
