@@ -26,7 +26,7 @@ from .part import Part
 from .photon_render import PhotonRender
 from .schedule import Schedule
 from .sky import Sky
-from .traced_wavefront import TracedWavefront
+from .traced_wavefront import TracedWavefront, take_turn
 from .wavefront import Wavefront, Work
 from .wavefront_maker import WavefrontMaker
 
@@ -162,29 +162,14 @@ class PathRender:
             self._is_developed, self._shown = False, None
 
     def _iterate(self) -> None:
-        """Trace the rays of the first wavefront while the second is shaded; then swap the two.
-
-        Everything that is read from the device is read before the shading is submitted, because a read waits for all
-        work that was submitted before it.
-        """
+        """Trace the rays of the first wavefront while the second is shaded; then swap the two."""
         first, second = self._wavefronts
         if self.plan.is_sorted:
             self._finish()  # while this thread waits in a read instead, Python lets no other go on tracing
         if first.iterations % self._check_interval == 0:
             self._refill(first)
-        rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
-        if second.finish is not None:
-            answer = second.finish()
-            second.finish = None
-            self.rays += answer.rays or 0
-            self._intersector.store(second.wavefront, answer)
-            self._passes.shade(second.wavefront, answer)
-            second.iterations += 1
-            self._flush()
-        if rays is not None:
-            first.finish = self._intersector.begin(rays)
+        self.rays += take_turn(self._wavefronts, self._intersector, self._passes.shade, self._flush)
         second.wavefront.settle()
-        self._wavefronts = [second, first]
 
     def _refill(self, traced: TracedWavefront) -> None:
         """Add blocks that are done to the film, and give new work to blocks that have none.

@@ -12,7 +12,7 @@ from ..layout import TILE
 from ..rays.intersect import Intersector
 from .photon_passes import PhotonPasses
 from .photon_sums import PhotonSums
-from .traced_wavefront import TracedWavefront
+from .traced_wavefront import TracedWavefront, take_turn
 from .wavefront import SUMS, Sums, Work
 from .wavefront_maker import WavefrontMaker
 
@@ -65,19 +65,9 @@ class PhotonRender:
             self._begin(samples - self.sums.count)
         if first.iterations % self._check_interval == 0 and first.is_busy and first.iterations:
             first.wavefront.is_busy[:] = self._passes.find_alive(first.wavefront)
-        rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
-        if second.finish is not None:
-            answer = second.finish()
-            second.finish = None
-            self.rays += answer.rays or 0
-            self._intersector.store(second.wavefront, answer)
-            arriving = self._arriving if self.sums.count < WEIGHED else None
-            self._passes.shade_onto(second.wavefront, self._splats, arriving)
-            second.iterations += 1
-            self._flush()
-        if rays is not None:
-            first.finish = self._intersector.begin(rays)
-        self._wavefronts = [second, first]
+        arriving = self._arriving if self.sums.count < WEIGHED else None
+        self.rays += take_turn(self._wavefronts, self._intersector, lambda wavefront, _: self._passes.shade_onto(
+            wavefront, self._splats, arriving), self._flush)
         if not (first.is_busy or second.is_busy or first.finish):
             self.sums.add(self._splats, self._round)
             self._splats.framebuffer.clear()
