@@ -100,6 +100,18 @@ def test_what_is_drawn_over_them(renderer, background):
         np.testing.assert_allclose(np.median(np.abs(deferred - msaa)), 0, atol=1e-6)
 
 
+def test_a_ground_is_drawn_once_a_pixel_over_the_background(renderer):
+    model = replace(still_life(), environment=lopsided())
+    msaa, none, deferred = (drawn(renderer, model, CAMERA, antialias, ground="shadow")
+                            for antialias in ("msaa-4", "none", "deferred-4"))
+    assert renderer.plan.is_over_layers and renderer.plan.ground is not None
+    without = drawn(renderer, model, CAMERA, "deferred-4")
+    assert (without - deferred).max() > 0.01 * without.max()
+    error, jagged = (np.abs(picture - msaa).mean() for picture in (deferred, none))
+    assert error < 0.2 * jagged, (error, jagged)
+    np.testing.assert_allclose(np.median(np.abs(deferred - msaa)), 0, atol=1e-6)
+
+
 @pytest.mark.parametrize("bits", [22, 3])
 def test_a_crease_is_two_surfaces_and_a_bend_is_one(renderer, monkeypatch, bits):
     """Two halves of a roof, each lit by itself. Where they meet at a small angle one of them stands for both.

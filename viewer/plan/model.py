@@ -204,12 +204,12 @@ class Plan:
 
     @property
     def is_over_layers(self) -> bool:
-        """Whether the background can be drawn once a pixel, too, behind all surfaces that are not deferred. So it is
-        where no solid looks at the picture behind it without a background, and all that is drawn is within the boxes of
-        meshes."""
-        others = (self.curves, self.ground, None if self.background else self.media)
+        """Whether the background can be drawn once a pixel, too, behind all surfaces that are not deferred, and over it
+        the shadow on the ground. So it is where no solid looks at the picture behind it without a background, and all
+        else that is drawn is within the boxes of meshes."""
+        others = (self.curves, *(() if self.background else (self.media, self.ground)))
         are_known = not any(draw.transmits == SOLID or draw.program.get("IS_POINTS") for draw in self.kinds)
-        return (self.has_deferred and are_known and others == (None, None, None)
+        return (self.has_deferred and are_known and not any(other is not None for other in others)
                 and not (self.wireframe or self.grid or self.counts))
 
     @property

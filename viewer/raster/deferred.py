@@ -52,10 +52,10 @@ class DeferredSurfaces:
         self._triangles: Reusable[NumberedTriangles] = Reusable()
 
     def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object],
-             draw_background: Callable[[], None]) -> Layers:
+             draw_behind: Callable[[], None]) -> Layers:
         """Clear `target` where something is drawn, draw them into its depth, within `Depth.test()`, and return their
-        radiance in pixels. With `Plan.is_over_layers` the background belongs to the layers: `draw_background` draws it
-        into the framebuffer in use."""
+        radiance in pixels. With `Plan.is_over_layers` the background belongs to the layers: `draw_behind` draws it, and
+        what lies over it, into the framebuffer in use."""
         draws = [draw for draw in plan.draws if draw.is_deferred]
         layers = self._layers.get(lambda held: held.target is target,
                                   lambda: Layers(self._context, self._depth, target))
@@ -76,7 +76,7 @@ class DeferredSurfaces:
             self._shade(number, frame, plan, layers, triangles, boxes, uniforms)
             if layers.has_background:
                 layers.shaded[number].scissor = layers.box if number else target.part
-                draw_background()
+                draw_behind()
         self._context.gl.clear_samplers()
         return layers
 

@@ -149,13 +149,20 @@ class Passes:
         """Draw what is seen, each pass over what those before have left in `target`."""
         surfaces, drawing = self._prepared.surfaces, self._watch.drawing
 
-        def draw_background() -> None:
-            with drawing("background"):
-                self._draw_background(frame, target, plan, media)
+        def draw_behind() -> None:
+            if plan.background:
+                with drawing("background"):
+                    self._draw_background(frame, target, plan, media)
+            elif plan.media is not None:
+                with drawing("media behind which nothing stands"):
+                    self._media.draw_sky(self._depth, media, target.half)
+            if plan.ground is not None:
+                with drawing("ground"):
+                    self._ground.draw(frame, plan, uniforms)
 
         if plan.has_deferred:
             with drawing("deferred surfaces"):
-                target.behind = self._deferred.draw(frame, plan, target, uniforms, draw_background)
+                target.behind = self._deferred.draw(frame, plan, target, uniforms, draw_behind)
             target.framebuffer.use()
         if plan.has_surfaces:
             with drawing("surfaces"):
@@ -166,15 +173,8 @@ class Passes:
         if plan.has_solid_transmission:  # before the background: they refract the environment themselves
             with drawing("solid transmission"):
                 self._draw_transmissive(SOLID, plan, frame, target, uniforms)
-        if plan.background:
-            if not plan.is_over_layers:
-                draw_background()
-        elif plan.media is not None:
-            with drawing("media behind which nothing stands"):
-                self._media.draw_sky(self._depth, media, target.half)
-        if plan.ground is not None:
-            with drawing("ground"):
-                self._ground.draw(frame, plan, uniforms)
+        if not plan.is_over_layers:
+            draw_behind()
         if plan.grid:  # behind thin panes and what blends
             with drawing("grid"):
                 self._grid.draw_ground(frame, target, settings)
