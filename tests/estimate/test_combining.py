@@ -10,6 +10,7 @@ from right_pictures import RASTERS, SIZE, truth
 
 from viewer.gpu.programs import Programs
 from viewer.measure.compare.relmse import relmse
+from viewer.trace.denoise import combine, fast
 from viewer.trace.denoise.combine import RADIUS, combined
 from viewer.trace.denoise.denoiser import make_denoiser
 
@@ -36,6 +37,59 @@ def test_the_error_shrinks_whatever_the_guide(samples, most):
     shares = [share(right, [guide], samples) for guide in RASTERS.values()]
     assert max(shares) < 0.9 and np.median(shares) < most
     assert share(right, [right], samples) < 0.3
+
+
+def test_a_step_is_as_long_as_least_error_asks(monkeypatch):
+    """Of a picture b that lacks a texture to c: a = (t^2 + var b) / (t^2 + var b + var c), of their means of both
+    halves, whatever noise they have in common. Doubt takes off a little."""
+    def measured(texture: float, of_base: float, of_other: float, common: float) -> float:
+        rng = np.random.default_rng(2)
+        truth = 1.0 + texture * rng.choice([-1, 1], (96, 96, 1)).astype(np.float32)
+        base, other, samples = [], [], []
+        for _ in range(2):
+            shared, own, others, apart = rng.normal(size=(4, 96, 96, 1)).astype(np.float32)
+            base.append(1.0 + of_base * own + common * shared)
+            other.append(truth + of_other * others + common * shared)
+            samples.append(truth + apart)
+        first, second = combine._mixed(tuple(base), tuple(other), tuple(samples), 0.5, np.ones((96, 96, 1), np.float32))
+        return float(np.median((first + second - sum(base)) / (sum(other) - sum(base))))
+
+    noise = (0.7, 0.5, 1.2, 0.6)
+    doubted = measured(*noise)
+    monkeypatch.setattr(combine, "_DOUBT", 0.0)
+    squared, of_base, of_other = 0.7**2, 0.5**2 / 2, 1.2**2 / 2
+    assert measured(*noise) == pytest.approx((squared + of_base) / (squared + of_base + of_other), rel=0.03)
+    assert 0.85 * measured(*noise) < doubted < 0.97 * measured(*noise)
+
+
+def test_light_comes_back_that_both_halves_have_lost():
+    picture = np.ones((20, 20, 3), np.float32)
+    for first, second, lost in ((1.3, 1.1, 0.1), (1.3, 0.8, 0.0), (0.9, 0.6, -0.1)):
+        found = combine._lost(picture, (picture, picture), (first * picture, second * picture))
+        np.testing.assert_allclose(found, lost, atol=1e-6)
+
+
+def test_fits_leave_out_what_is_far_brighter_than_what_is_around():
+    spiked = DARK.copy()
+    spiked[24, 24] = 1000
+    calm = combine._calm(spiked)
+    assert calm[24, 24].max() <= 1.01 and np.array_equal(np.delete(calm.reshape(-1, 3), 24 * SIZE + 24, 0),
+                                                         np.delete(spiked.reshape(-1, 3), 24 * SIZE + 24, 0))
+
+
+def test_films_are_combined_without_their_emission():
+    """Of halves of different size; and no light comes back where nothing is hit."""
+    right, rng = truth(), np.random.default_rng(4)
+    emission = np.linspace(0, 3, SIZE, dtype=np.float32)[:, None, None] * np.float32([1, 0.5, 0.2])
+    hits = (np.arange(SIZE)[:, None, None] >= 12) * np.ones((1, SIZE, 1), np.float32)
+    samples = [right * rng.gamma(n, 1 / n, (SIZE, SIZE, 1)).astype(np.float32) for n in (12, 4)]
+    filtered, guide = [0.9 * right, 1.1 * right], 0.7 * right
+    parts = [fast._Part(half + emission, emission, hits, np.full((SIZE, SIZE, 1), n, np.float32))
+             for half, n in zip(samples, (12, 4), strict=True)]
+    whole = fast._Part(0.75 * parts[0].radiance + 0.25 * parts[1].radiance, emission, hits, 0 * hits + 16)
+    found = fast._denoised(whole, parts, [half + emission for half in filtered], guide + emission)
+    expected = combined(tuple(samples), [(guide, guide), tuple(filtered)], 0.75, hits > 0) + emission
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-4)
 
 
 def test_a_second_guide_is_used_where_it_is_better():

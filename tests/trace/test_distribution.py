@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from viewer.image.neighbours import EPSILON
 from viewer.settings import Settings
 from viewer.trace.layout import TILE
-from viewer.trace.paths.distribution import allocate, around, deviation_around
+from viewer.trace.paths.distribution import DEFENSIVE, allocate, around, deviation_around
 from viewer.trace.paths.schedule import LEAST, Schedule
 
 
@@ -85,6 +86,17 @@ def test_a_pixel_does_not_decide_by_its_own_samples():
     change = deviation_around(total, squares) - before
     assert change[4, 5] == pytest.approx(change[0, 0], rel=1e-9)
     assert (change[1:8, 2:9] > 1.01 * change[0, 0]).sum() == 48
+
+
+@pytest.mark.parametrize("count", [2, 16])
+def test_it_is_the_deviation_of_one_sample_over_the_mean_of_each_channel(count):
+    """For samples whose unbiased variance is known, twice: the mean of the picture is added."""
+    mean, variance = np.array([0.05, 2.0, 0.4]), np.array([0.3, 5.0, 0.02])
+    total = np.full((9, 12, 4), count, float)
+    total[..., :3] *= mean
+    squares = np.broadcast_to(count * mean**2 + (count - 1) * variance, (9, 12, 3))
+    expected = (np.sqrt(variance) / np.sqrt(mean**2 + EPSILON)).mean()
+    assert deviation_around(total, squares) == pytest.approx((1 + DEFENSIVE) * expected, rel=1e-6)
 
 
 def test_a_sun_does_not_hide_what_is_around_it():
