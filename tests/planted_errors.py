@@ -191,7 +191,7 @@ PLANTED_ERRORS = [
                  'mapped("metallic_roughness", 1)', ENCLOSED),
     PlantedError("a wall's map of transmission ignored", _ENCLOSED,
                  'material.transmission * mapped("transmission", 0)', "material.transmission", ENCLOSED),
-    PlantedError("vertex normals of walls do not matter", "viewer/scene/mesh.py", " and np.vdot(a, areas) > 0 else",
+    PlantedError("walls that face the inside enclose, too", "viewer/scene/mesh.py", " and np.vdot(a, areas) > 0 else",
                  " else", ENCLOSED),
     PlantedError("outer sides of walls in the light inside", _AROUND, "    if (!IS_FRONT) {\n        around *=",
                  "    if (IS_FRONT) {\n        around *=", ENCLOSED),

@@ -11,6 +11,7 @@ from shapes import constant, moved, orthographic, plate, scene, sphere
 
 from viewer.plan.planner import plan_scene
 from viewer.raster.enclosed import light_inside
+from viewer.scene.camera import Camera
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.settings import Settings
@@ -56,6 +57,24 @@ def test_what_arrives_through_an_opening_is_reflected_inside():
     assert inside(grey, plate()) == pytest.approx(np.ones(3))
 
 
+def test_a_wall_that_mirrors_scatters_and_transmits():
+    """Half a ball of glass that is a little metallic, with maps: of the light that meets a face from all around
+    2 R / (1 + R) is reflected, with Fresnel's R for the index 1.5."""
+    mu = (np.arange(4000) + 0.5) / 4000
+    refracted = np.sqrt(1 - (1 - mu**2) / 1.5**2)
+    s, p = (mu - 1.5 * refracted) / (mu + 1.5 * refracted), (1.5 * mu - refracted) / (1.5 * mu + refracted)
+    single = 0.8 * (s**2 + p**2) / 2
+    mirrored = (2 * mu * 2 * single / (1 + single)).mean()
+    uvs = (half_sphere().positions[:, :2],)
+    wall = replace(CLEAR, metallic=0.5, transmission=0.9, specular=0.8, base_color=(*COLOR, 1),
+                   metallic_roughness_texture=MAP, transmission_texture=MAP)
+    metal, clear = 0.5 * 0.4, 0.9 * 0.7  # blue of one map, red of the other
+    passed = (1 - metal) * (1 - mirrored) * clear * COLOR
+    returned = metal * COLOR + (1 - metal) * (mirrored + (1 - mirrored) * (1 - clear) * COLOR)
+    found = inside(wall, replace(half_sphere(), uvs=uvs), lambda draw, name: np.float64([0.7, 0.9, 0.4, 1.0]))
+    assert found == pytest.approx((0.5 + 0.5 * passed) / (1 - 0.5 * returned), rel=3e-3)
+
+
 def test_holes_of_a_mask_are_openings():
     """A quarter of the wall stands, and is black."""
     mask = replace(CLEAR, transmission=0.0, specular=0.0, base_color=(0.0, 0.0, 0.0, 1), alpha_mode="mask",
@@ -72,6 +91,14 @@ def test_the_far_wall_of_a_hollow_ball_has_the_light_inside(renderer):
     half = COLOR / 2
     far = half * half / (1 - half) + half
     assert picture[15:17, 15:17, :3].mean(axis=(0, 1)) == pytest.approx(half + half * far, abs=5e-3)
+
+
+def test_the_inner_side_of_a_black_ball_mirrors_nothing(renderer):
+    """Its wall lets no light in that it could mirror."""
+    wall = replace(CLEAR, transmission=0.5, base_color=(0.0, 0.0, 0.0, 1), perceptual_roughness=0.5)
+    model = scene((sphere(), moved((0, 0, 0))), materials=[wall], environment=constant())
+    within = Camera.look_at((0, 0, 0), (0, 0, -1), fov_y=1.0)
+    assert renderer.render(model, within, Settings.of(antialias="none"), (32, 32)).linear[..., :3].max() < 1e-3
 
 
 def test_it_is_worked_out_once_for_a_mesh_and_anew_for_its_next_pose(renderer, monkeypatch):

@@ -13,8 +13,10 @@ from shapes import WHITE, moved, orthographic, plate, scene
 from viewer.gpu.context import Context
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions, texel_solid_angles
+from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.settings import Settings
+from viewer.trace.scene.traced_scene import plan_without_device
 from viewer.trace.tracer import Tracer
 
 SIZE = (40, 40)
@@ -116,6 +118,22 @@ def test_two_serve_at_later_hits_of_a_room(tracer, context: Context):
         one = pictures(single, spp=64)
         single.release()
     assert noise(two) < 0.95 * noise(one)
+
+
+@pytest.mark.parametrize("lamps, sky, has_glass, counts", [
+    (1, None, False, (2, 2)), (4, None, False, (2, 2)), (5, None, False, (1, 1)), (0, None, False, (1, 1)),
+    (1, SKY, False, (2, 1)), (0, SKY, False, (2, 1)), (1, None, True, (1, 1)), (1, SKY, True, (1, 1))])
+def test_where_there_are_two(lamps, sky, has_glass, counts):
+    """In rooms with up to eight emissive triangles at all hits, under an environment at the first, and nowhere beside
+    glass."""
+    glass = Material("glass", metallic=0.0, transmission=1.0, thickness=1.0)
+    lamp = Material("lamp", emissive=(2.0, 2.0, 2.0))
+    model = scene(plate(0), *[(plate(1, 0.1), moved((k, 0, 1))) for k in range(lamps)],
+                  *[(plate(2), moved((0, 1, 0)))] * has_glass, materials=[WHITE, lamp, glass], environment=sky,
+                  lights=(Light("point", position=(0.0, 0.0, 2.0)),))
+    programs = plan_without_device(model, Settings(mode="path")).programs.values()
+    shading = [dict(program.switches) for program in programs if "LATER_CANDIDATES" in dict(program.switches)]
+    assert {(each["FIRST_CANDIDATES"], each["LATER_CANDIDATES"]) for each in shading} == {counts}
 
 
 def test_they_follow_the_light_and_not_the_scene_before(tracer):
