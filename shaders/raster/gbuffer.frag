@@ -9,7 +9,8 @@ void main() {
     MaterialInputs m = read_inputs();
     float covered = coverage(m.base_color.a);
     vec3 n = geometric_normal();
-    o_color = vec4(v_position, max(m.perceptual_roughness, 1e-3)); // w = 0 marks an empty pixel
+    // w = 0 marks an empty pixel, w < 0 a metal.
+    o_color = vec4(v_position, max(m.perceptual_roughness, 1e-3) * (m.metallic < 0.5 ? 1.0 : -1.0));
     // The face normal: a triangle occludes light behind its own plane, whatever its shading normal.
     vec3 face = cross(dFdx(v_position), dFdy(v_position));
     face *= sign(dot(face, n)) / max(length(face), 1e-30);

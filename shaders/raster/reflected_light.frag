@@ -10,7 +10,7 @@
 
 uniform usampler2D u_hit;      // viewer/trace/rays/intersect.py
 uniform sampler2D u_positions;
-uniform sampler2D u_direction; // w: 1 where there is a ray
+uniform sampler2D u_direction; // w: the ray's weight in the lobe, 0 where there is none
 uniform int u_count;           // of a pixel's rays
 // viewer/raster/traced/reflected_surfaces.py:
 uniform isampler2D u_first_vertex;   // of each instance
@@ -18,8 +18,8 @@ uniform sampler2D u_vertex_radiance; // of each triangle's vertices; a: a compon
 uniform sampler2D u_vertex_surface;  // octahedral normal, roughness, metallic
 
 layout(location = 0) out vec4 o_hit_radiance;
-// Luminance of the environment along the ray, unoccluded and occluded; 1 where it is not occluded; 1. All are parts of
-// the mean over a pixel's rays.
+// Luminance of the environment along the ray, unoccluded and occluded; 1 where it is not occluded; 1. All are weighted
+// sums over a pixel's rays.
 layout(location = 1) out vec4 o_environment;
 
 const float LEAST_ROUGHNESS = 0.35, MAX_RATIO = 4.0;
@@ -34,10 +34,10 @@ void main() {
     o_hit_radiance = o_environment = vec4(0.0);
     if (direction.w == 0.0) return;
     uvec4 texel = texelFetch(u_hit, pixel, 0);
-    float roughness = texelFetch(u_positions, pixel, 0).w;
+    float roughness = abs(texelFetch(u_positions, pixel, 0).w);
     // The rays of 16 pixels share a lobe. Each of n stands for a part 1 / n of it: roughness by the fourth root of n.
-    float part = 1.0 / float(u_count);
-    float sky = luminance(environment_specular(direction.xyz, 0.5 * pow(part, 0.25) * roughness));
+    float part = direction.w / float(u_count);
+    float sky = luminance(environment_specular(direction.xyz, 0.5 * pow(float(u_count), -0.25) * roughness));
     o_environment = part * vec4(sky, 0.0, 0.0, 1.0);
     if (hit_kind(texel) == NO_KIND) {
         o_environment.gb = part * vec2(sky, 1.0);

@@ -15,7 +15,7 @@ const float MOST = 2.0;
 
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
-uniform sampler2D u_hit_radiance, u_environment; // means over each pixel's rays: reflected_light.frag
+uniform sampler2D u_hit_radiance, u_environment; // sums over each pixel's rays: reflected_light.frag
 
 // rgb: radiance from the model, a: part of the environment's light that it occludes
 layout(location = 0) out vec4 o_reflected;
@@ -37,7 +37,7 @@ void main() {
         // Standard deviations: alpha for the normal, the lobe's width at HIT_DISTANCE for the position; a difference
         // of 0.1 in roughness costs a factor of e.
         float weight = exp(-0.5 * (dot(dn, dn) + dot(dp, dp) / (HIT_DISTANCE * HIT_DISTANCE)) / max(alpha * alpha, 1e-8)
-                           - 10.0 * abs(there.w - here.w));
+                           - 10.0 * abs(abs(there.w) - abs(here.w)));
         weight *= (abs(away.x) == 2 ? 0.5 : 1.0) * (abs(away.y) == 2 ? 0.5 : 1.0);
         radiance += weight * texelFetch(u_hit_radiance, tap, 0).rgb;
         environment += weight * texelFetch(u_environment, tap, 0);

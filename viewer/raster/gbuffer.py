@@ -1,7 +1,7 @@
 """The G-buffer: the visible surfaces, one sample a pixel, for passes that run before the surfaces are shaded.
 
-shaders/raster/gbuffer.frag writes it: eye-relative position and perceptual roughness (0: an empty pixel), and shading
-and face normal.
+shaders/raster/gbuffer.frag writes it: eye-relative position and perceptual roughness (0: an empty pixel; negative: a
+metal), and shading and face normal.
 """
 
 from __future__ import annotations
