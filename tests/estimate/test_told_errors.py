@@ -169,7 +169,7 @@ def test_photons_are_in_the_truth_where_they_are_in_the_picture(context):
     above = Camera.look_at((0, 3, 0.2), (0, 0, 0), fov_y=0.3)
     error = measure_error(tracer, raster, model, above, wanted, (16, 16), 0.1)
     (note,) = error.notes
-    assert re.match(r"not counted as error: about (100|[1-9]\d)% of the light that photons bring", note)
+    assert re.match(r"not counted as error: about (100|[1-9]\d)% of the light of photons", note)
     tracer.release()
     renderer.release()
 
