@@ -41,6 +41,7 @@ float seen_by_light(int layer, bool is_point, vec3 p, vec3 light_position) {
 void main() {
     float way = (u_height - v_ray_origin.y) / v_ray.y;
     vec3 p = v_ray_origin + way * v_ray;
+    bool is_seen = v_ray.y < 0.0 && way > 0.0;
     float all = 0.0, arrives = 0.0;
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) {
@@ -57,7 +58,7 @@ void main() {
 #endif
 #if FAR_LIGHTS
     vec4 q = vec4(p - u_below, 1.0);
-    for (int i = 0; i < FAR_LIGHTS; ++i) {
+    for (int i = is_seen ? 0 : FAR_LIGHTS; i < FAR_LIGHTS; ++i) { // none above the horizon
         GroundLight light = u_ground_lights[i];
         vec2 c = vec2(dot(light.u, q), dot(light.v, q));
         bool is_outside = min(c.x, c.y) < 0.0 || max(c.x, c.y) > 1.0;
@@ -66,6 +67,5 @@ void main() {
         arrives += light.luminance.x * (is_outside ? 1.0 : textureLod(u_atlas, texel, 0.0));
     }
 #endif
-    bool is_seen = v_ray.y < 0.0 && way > 0.0 && all > 0.0;
-    o_color = vec4(0.0, 0.0, 0.0, is_seen ? clamp(1.0 - arrives / all, 0.0, 1.0) : 0.0);
+    o_color = vec4(0.0, 0.0, 0.0, is_seen && all > 0.0 ? clamp(1.0 - arrives / all, 0.0, 1.0) : 0.0);
 }
