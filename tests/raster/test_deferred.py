@@ -268,6 +268,10 @@ def test_planes_and_boxes():
                            np.ones((len(points), 1))], axis=1) @ frame.view_projection.T
     pixels = (clip[:, :2] / clip[:, 3:] + 1) / 2 * SIZE
     assert (pixels >= (x, y)).all() and (pixels <= (x + width, y + height)).all() and width * height < 0.5 * 40 * 32
+    clip = np.concatenate([(frame.scene.corners[1] - CAMERA.eye) / frame.unit, np.ones((8, 1))],
+                          axis=1) @ frame.view_projection.T
+    corners = (clip[:, :2] / clip[:, 3:] + 1) / 2 * SIZE  # and a pixel more, since OpenGL rounds them
+    assert (corners >= (x + 1, y + 1)).all() and (corners <= (x + width - 1, y + height - 1)).all()
     assert pixel_box(frame, 1, (0, 0, 1, 1))[2:] == (0, 0)
     within = Camera.look_at((0.7, 0.1, 0.3), (0, 0, 0), fov_y=0.8)
     assert pixel_box(Frame(model, within, SIZE), 1, (3, 4, 20, 9)) == (3, 4, 20, 9)
