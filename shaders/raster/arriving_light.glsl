@@ -26,8 +26,7 @@ void light_through_media(vec3 n, vec3 d, inout mat2x3 specular, inout vec3 mean_
 vec4 visible_past_meshes(Point p, float alpha) {
     vec3 mean = p.n * (2.0 / 3.0); // of the cosine lobe
     vec3 place = v_position + 0.5 / (u_scene_grid.w * float(textureSize(u_media_light, 0).x)) * p.n_geometric;
-    float left;
-    vec4 hidden = hidden_by_all(place, left);
+    vec4 hidden = past_meshes(place).hidden;
     float seen = 1.0 - clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0);
     float visible = min(seen / max(light_around(place, mean).sky, 1e-6), 1.0);
     return vec4(vec3(visible), specular_occlusion(p.NoV, visible, alpha));

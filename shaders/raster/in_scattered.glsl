@@ -5,7 +5,7 @@
 #if VOLUMES > 0
 #include "raster/volumes.glsl"
 #endif
-#if SKY_SHADOWS
+#if SKY_SHADOWS || LIT_MESHES
 #include "raster/past_meshes.glsl"
 #endif
 #if HAS_ENVIRONMENT
@@ -152,12 +152,17 @@ vec3 light_below_face(vec3 irradiance, float arriving, vec3 p, vec3 l, vec3 hidd
 vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
     vec3 p = ray.origin + at * ray.direction;
     MediaLight around = light_around(p, medium.mean_cosine * ray.direction);
+#if SKY_SHADOWS || LIT_MESHES
+    PastMeshes past = past_meshes(p);
+    around.scattered *= past.left;
+#endif
 #if SKY_SHADOWS
-    float left;
-    around.hidden = hidden_by_all(p, left);
-    around.scattered *= left;
+    around.hidden = past.hidden;
 #endif
     vec3 sum = around.scattered;
+#if LIT_MESHES
+    sum += past.reflected;
+#endif
 #if EMITS
     int last = textureSize(u_media_light, 0).z / textureSize(u_media_light, 0).x - 1;
     if (medium.emission != vec3(0.0)) sum += part_of_cubes(u_media_light, in_grid(u_volume_grid, p), last).rgb;

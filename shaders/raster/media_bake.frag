@@ -1,10 +1,6 @@
 // Light that arrives at the cells of a coarse grid without having been scattered (viewer/raster/media_light.py). The
 // layers of the grid lie above each other in the targets.
-#include "media/one_minus_exp.glsl"
-#include "raster/light_in_media.glsl"
-#if VOLUMES > 0
-#include "raster/volumes.glsl"
-#endif
+#include "raster/media_depth.glsl"
 #if DENSE
 #include "raster/dense_light.glsl"
 #endif
@@ -55,40 +51,13 @@ layout(location = 0) out vec4 o_fluence; // rgb; a: of light that has the fluenc
 // The opacity of the media as a + b . direction, by least squares: before the light of the environment, and all around
 layout(location = 1) out vec4 o_hidden;
 layout(location = 2) out vec4 o_opacity;
-layout(location = 3) out vec4 o_extinction; // r; g: with meshes, what they leave of the opacity of o_opacity
+layout(location = 3) out vec4 o_extinction; // r; a: with meshes, what they leave of the opacity of o_opacity
 layout(location = 4) out vec4 o_flux[3]; // of the light of o_fluence, along each axis
 #if SKY_SHADOWS
 layout(location = 7) out vec4 o_hidden_by_all; // as o_hidden, by media and meshes
 #endif
 
-// The optical depth from p to the distance `reach` along d
-float media_depth(vec3 p, vec3 d, float reach) {
-    float depth = 0.0;
-#if FOG
-    depth += fog_depth_ahead(p, d, reach);
-#endif
-#if VOLUMES > 0
-    depth += volumes_depth_ahead(p, d, reach, 16);
-#endif
-    return depth;
-}
-
-float extinction_at(vec3 p) {
-    float extinction = 0.0;
-#if FOG
-    extinction += fog_at(p);
-#endif
-#if VOLUMES > 0
-    extinction += volumes_at(p);
-#endif
-    return extinction;
-}
-
-// The mean transmittance over a cell of optical depth `cell`, from the depth at its middle: what a cell collects is
-// right also where it hides its own middle.
-float mean_transmittance(float depth, float cell) {
-    return exp(-max(depth - 0.5 * cell, 0.0)) * (cell > 1e-4 ? one_minus_exp(cell) / cell : 1.0);
-}
+const int STEPS = 16; // in each volume
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -104,7 +73,7 @@ void main() {
 #endif
     for (int k = 0; k < SKY_LIGHTS; ++k) {
         vec3 d = u_sky_directions[k].xyz;
-        float depth = media_depth(p, d, 1e18);
+        float depth = media_depth(p, d, 1e18, STEPS);
         float arriving = mean_transmittance(depth, depth_of_cell);
         vec4 light = u_sky_irradiance[k] * arriving;
         vec4 hidden = one_minus_exp(depth) * vec4(1.0, d);
@@ -112,7 +81,7 @@ void main() {
 #if SKY_SHADOWS
         // A white mesh sends as much as it gets, so that a white furnace stays white.
         vec2 seen = seen_past_meshes(k, p, 1.0 / (u_grid.w * float(u_side)));
-        float to_mesh = media_depth(p, d, seen.y), share = u_sky_directions[k].w;
+        float to_mesh = media_depth(p, d, seen.y, STEPS), share = u_sky_directions[k].w;
         light = mix(vec4(u_sky_reflected[k].rgb, u_sky_irradiance[k].w) * mean_transmittance(to_mesh, depth_of_cell),
                     light, seen.x);
         vec4 hidden_to_mesh = mix(one_minus_exp(to_mesh) * vec4(1.0, d), hidden, seen.x);
@@ -142,7 +111,7 @@ void main() {
             vec3 d = u_lights[i].position.xyz - p;
             irradiance *= min(max(dot(d, d), u_lights[i].cone.z) / (nearest * nearest), 1.0);
         }
-        float depth = media_depth(p, l, i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p));
+        float depth = media_depth(p, l, i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p), STEPS);
         irradiance *= mean_transmittance(depth, depth_of_cell) * unshadowed_by_meshes(i, p);
 #if DENSE
         irradiance *= 1.0 - beyond_grid(depth_of_cell); // in_scattered.glsl has it
@@ -154,6 +123,6 @@ void main() {
     o_fluence = fluence;
     o_extinction = vec4(extinction);
 #if SKY_SHADOWS
-    o_extinction.g = left;
+    o_extinction.a = left;
 #endif
 }

@@ -1,11 +1,15 @@
-// Where meshes stand before the environment, for what lies in media: on the grids of lit_media.glsl.
+// What meshes do to the light in media, on the grids of lit_media.glsl.
 #if FOG
 uniform vec4 u_scene_grid; // about the meshes: finer than that about the fog
 #endif
 
-// What meshes change of the light around a point. xyzw: the opacity of media and meshes before the environment, as
-// a + b . direction; and what is left of the light that media scatter, where they are in the way of it
-vec4 hidden_by_all(vec3 p, out float left) {
+struct PastMeshes {
+    vec4 hidden;    // with SKY_SHADOWS, the opacity of media and meshes before the environment, as a + b . direction
+    vec3 reflected; // radiance that meshes reflect of lamps and suns, the mean over all directions
+    float left;     // of the light that media scatter, where meshes are in the way of it
+};
+
+PastMeshes past_meshes(vec3 p) {
     vec3 uvw;
     int grid = 0;
 #if VOLUMES > 0
@@ -22,6 +26,11 @@ vec4 hidden_by_all(vec3 p, out float left) {
         else uvw = in_grid(u_fog_grid, p);
     }
 #endif
-    left = part_of_cubes(u_media_light, uvw, 3 * GRIDS + 2 * grid + 1).g;
-    return part_of_cubes(u_media_light, uvw, 3 * GRIDS + 2 * grid);
+    int part = 3 * GRIDS + (1 + SKY_SHADOWS) * grid;
+    vec4 light = part_of_cubes(u_media_light, uvw, part);
+    PastMeshes found = PastMeshes(vec4(0.0), light.rgb, light.a);
+#if SKY_SHADOWS
+    found.hidden = part_of_cubes(u_media_light, uvw, part + 1);
+#endif
+    return found;
 }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fog_truth import optical_depth, rays, single_scattering
 from images import image_of, noise
-from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
 
 from viewer.bake.many_lights import uniform_lights
 from viewer.raster.media_light import MediaLight
@@ -20,6 +20,7 @@ from viewer.scene.material import Material, Texture
 from viewer.settings import Settings
 
 BLACK = replace(WHITE, base_color=(0, 0, 0, 1))
+GREY = replace(BLACK, base_color=(0.5, 0.5, 0.5, 1.0))
 GLOWING = replace(BLACK, emissive=(4.0, 1.0, 0.5))
 FINE = {"media_steps": "224", "media_rays": "all"}
 SIZE = (16, 16)
@@ -187,6 +188,44 @@ def test_meshes_hide_the_sky_from_fog(radiance):
     expected = 1e-3 * np.trapezoid(seen.mean(axis=1), z)
     assert expected < 0.9 * 1e-3 * 2 * fog.radius
     assert found[..., :3].mean() == pytest.approx(expected, rel=0.05)
+
+
+LAMP = Light("point", intensity=3.0, position=(0.2, 0.8, 0.1))
+
+
+@pytest.mark.parametrize("light", [LAMP, Light("directional", intensity=3.0, direction=(0, -1, 0))],
+                         ids=lambda light: light.kind)
+def test_a_lit_floor_lights_thin_fog(radiance, light):
+    """What a grey floor reflects of a light, scattered once in a row of pixels above it, by quadrature over the floor.
+    A black floor sends nothing; its picture is that of the light itself in the fog."""
+    camera = replace(orthographic(height=0.02), pose=moved((0, 0.3, 5)))
+    grey, black = (radiance(scene((plate(), facing_floor()), materials=[material], lights=(light,)), camera, (1, 1),
+                            fog=1e-3, media_scattering="single", background="none", **FINE)[0, 0, :3]
+                   for material in (GREY, BLACK))
+    side = (np.arange(40) + 0.5) / 20 - 1
+    floor = np.stack(np.meshgrid(side, [0.0], side, indexing="ij"), axis=-1).reshape(-1, 3)
+    to_light = light.position - floor
+    distance = np.linalg.norm(to_light, axis=1)
+    irradiance = 3.0 * (to_light[:, 1] / distance**3 if light.kind == "point" else np.ones(len(floor)))
+    z = np.linspace(-6, 6, 200)
+    away = np.stack([0 * z, 0 * z + 0.3, z], axis=-1)[:, None] - floor
+    solid_angles = away[..., 1] / np.linalg.norm(away, axis=-1)**3 * 4 / len(floor)
+    sent = (0.5 / np.pi * irradiance * solid_angles).sum(axis=1) / (4 * np.pi)
+    assert grey - black == pytest.approx(np.full(3, 1e-3 * np.trapezoid(sent, z)), rel=0.05)
+
+
+def test_no_light_off_a_floor_comes_through_a_ceiling(radiance):
+    """A lamp is between both, and the fog above is looked at from above."""
+    camera = Camera.orbit((0, 0, 0), 5.0, 0.0, np.pi / 2)
+    floor, ceiling = ((plate(half=2.0), facing_floor(y=y)) for y in (-0.5, 1.0))
+
+    def sent(*meshes) -> float:
+        grey, black = (radiance(scene(*meshes, materials=[replace(material, double_sided=True)], lights=(LAMP,)),
+                                replace(camera, height=0.1), (1, 1), fog=1e-3, media_scattering="single",
+                                background="none", **FINE)[0, 0, 0] for material in (GREY, BLACK))
+        return grey - black
+
+    assert sent(floor, ceiling) < 0.05 * sent(floor)
 
 
 def test_meshes_send_light_by_the_means_of_their_textures(radiance):

@@ -30,12 +30,15 @@ where they are looked up."""
 @dataclass(frozen=True)
 class MediaPlan:
     """The programs of viewer/raster/media.py and media_light.py. `depth` is None without volumes or lights, and `glow`,
-    for what volumes emit, if they scatter nothing of that."""
+    for what volumes emit, if they scatter nothing of that. `lit` and `off_meshes`, for what meshes reflect of lights,
+    are None without meshes or shadow maps."""
 
     march: Program
     bake: Program
     glow: Program | None
     depth: Program | None
+    lit: Program | None
+    off_meshes: Program | None
     scatters_again: bool
     """Whether light that has been scattered is scattered once more."""
 
@@ -43,6 +46,11 @@ class MediaPlan:
     def has_sky_shadows(self) -> bool:
         """Whether meshes stand before the environment."""
         return self.bake["SKY_SHADOWS"] == 1
+
+    @property
+    def parts_past_meshes(self) -> int:
+        """Of the texture of light in media, for each grid: what meshes do to it (shaders/raster/past_meshes.glsl)."""
+        return 2 if self.has_sky_shadows else int(self.lit is not None)
 
     @property
     def has_fog(self) -> bool:
@@ -55,7 +63,8 @@ class MediaPlan:
 
     @property
     def programs(self) -> tuple[Program, ...]:
-        return tuple(program for program in (self.march, self.bake, self.glow, self.depth) if program is not None)
+        every = self.march, self.bake, self.glow, self.depth, self.lit, self.off_meshes
+        return tuple(program for program in every if program is not None)
 
 
 def has_media(scene: Scene, settings: Settings) -> bool:
@@ -105,7 +114,9 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int], from
              "ENVIRONMENT_ROTATED")
     lights = {name: common[name] for name in names}
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
-    lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and hides_light(scene, settings))
+    has_meshes = hides_light(scene, settings)
+    lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and has_meshes)
+    lit["LIT_MESHES"] = int(common["SHADOW_LAYERS"] > 0 and has_meshes)
     extinction = travelled(volume_medium(settings), settings).sigma_t[0]
     lit["VOLUME_LIGHTS"] = from_volumes
     lit["DENSE"] = int(any(extinction * volume.greatest_depth > DENSE for volume in scene.volumes[:MAX_VOLUMES]))
@@ -119,6 +130,8 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int], from
                      Program.of("raster/media_bake.frag", lit | bake),
                      Program.of("raster/media_bake.frag", lit | bake | {"FOG": 0, "FOG_HEIGHT": 0}) if emits else None,
                      Program.of("raster/volume_depth.frag", towards_lights) if has_depth else None,
+                     Program.of("raster/lit_patches.frag", lit) if lit["LIT_MESHES"] else None,
+                     Program.of("raster/media_off_meshes.frag", lit) if lit["LIT_MESHES"] else None,
                      settings.media_scattering == "multiple")
 
 

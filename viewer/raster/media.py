@@ -34,7 +34,7 @@ from .lights import pack_lights
 from .media_light import DEPTH_SIDE, SIDE, Grid, MediaLight
 from .media_slices import MediaSlices
 from .shadows import Casters, ShadowMaps
-from .sky_shadows import SkyShadows
+from .sky_shadows import SkyShadows, mean_surface
 from .units import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_SKY_SHADOWS, UNIT_VOLUME_DEPTH
 from .volume_textures import VolumeTextures
 
@@ -88,15 +88,19 @@ class MediaPass:
         grids = [grid for grid in _grids(frame, settings) if grid is not None]
         self._drop_lights(_KEPT - 1)
         from_sky = environment.sky_lights(plan) if environment is not None else None
-        around_meshes, sky_shadows, parts = [], None, 3 * len(grids) + (plan.media.glow is not None)
-        if plan.media.has_sky_shadows and from_sky is not None:
+        around_meshes, sky_shadows = [], None
+        if plan.media.parts_past_meshes:
             around_meshes = [_scene_grid(frame, grids[0].medium)] * plan.media.has_fog
-            parts += 2 * (len(grids) + len(around_meshes))
-            sky_shadows = SkyShadows(self._gl, scene, plan, from_sky, casters, mean)
-            uniforms |= sky_shadows.uniforms
-            sky_shadows.texture.use(UNIT_SKY_SHADOWS)
+            reflectance = mean_surface(scene, plan.draws, mean).reflectance
+            uniforms["u_reflectance"] = tuple(reflectance)
+            if plan.media.has_sky_shadows and from_sky is not None:
+                sky_shadows = SkyShadows(self._gl, scene, plan, from_sky, casters, reflectance)
+                uniforms |= sky_shadows.uniforms
+                sky_shadows.texture.use(UNIT_SKY_SHADOWS)
+        parts = (3 * len(grids) + plan.media.parts_past_meshes * (len(grids) + len(around_meshes))
+                 + (plan.media.glow is not None))
         light = MediaLight(self._gl, parts, len(plan.lights) if scene.volumes else 0)
-        light.bake(self._programs, plan.media, grids, around_meshes, from_sky, uniforms)
+        light.bake(self._programs, plan.media, grids, around_meshes, from_sky, shadows, uniforms)
         self._lights.insert(0, (key, light))
         for thing in (*buffers, sky_shadows):
             if thing is not None:

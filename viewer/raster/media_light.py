@@ -16,12 +16,15 @@ import numpy as np
 
 from ..bake.diffusion import scattered_light
 from ..bake.many_lights import ManyLights, uniform_lights
-from ..gpu.fullscreen import fullscreen
-from ..gpu.programs import Programs, matrix_uniform, set_uniform
+from ..gpu.programs import Programs, matrix_uniform
 from ..plan.media import SKY_LIGHTS, MediaPlan
 from ..plan.model import Program
 from ..scene.medium import Medium
 from ..scene.phase import mean_cosine
+from .computed import compute
+from .lit_patches import lit_patches
+from .shadows import ShadowMaps
+from .units import UNIT_VOLUME_DEPTH
 
 SIDE, DEPTH_SIDE = 32, 48
 _POINTS = 4096
@@ -43,11 +46,11 @@ class Grid:
 
 class MediaLight:
     """`texture` has three parts along z for each grid: scattered radiance, and the opacity of the media as
-    a + b . direction, before the light of the environment and all around. Where meshes stand before the environment,
-    two more parts follow for each grid, and for that about the meshes: the opacity of both before its light, and in g
-    what meshes leave of the scattered radiance. The last part is the mean radiance of what volumes emit themselves,
-    where they scatter it. `depths` has a part for every four lights, and is None without volumes
-    or lights."""
+    a + b . direction, before the light of the environment and all around. With meshes, one or two more parts follow for
+    each grid, and for that about the meshes: the mean radiance of what they reflect of lights, with what they leave of
+    the scattered radiance; and where they stand before the environment, the opacity of both before its light. The last
+    part is the mean radiance of what volumes emit themselves, where they scatter it. `depths` has a part for every four
+    lights, and is None without volumes or lights."""
 
     def __init__(self, gl: moderngl.Context, parts: int, lights: int) -> None:
         self._gl = gl
@@ -56,34 +59,41 @@ class MediaLight:
         self.depths = _cubes(gl, DEPTH_SIDE, -(-lights // 4)) if lights else None
 
     def bake(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], around_meshes: Sequence[Grid],
-             sky: ManyLights | None, uniforms: dict[str, object]) -> None:
-        """Fill the grids. `sky` is the environment's light in SKY_LIGHTS directions, None without one."""
+             sky: ManyLights | None, shadows: ShadowMaps | None, uniforms: dict[str, object]) -> None:
+        """Fill the grids. `sky` is the environment's light in SKY_LIGHTS directions, None without one, and `shadows`
+        has the maps of lights, None without any."""
         uniforms = uniforms | _sky_uniforms(sky)
         if self.depths is not None:
             steps = self.depths.size[2] // DEPTH_SIDE
             parts = [self._draw(programs, plan.depth, 1, DEPTH_SIDE, uniforms | {"u_first": 4 * k}, grids[-1])[0]
                      for k in range(steps)]
             self.depths.write(np.stack(parts))
+            self.depths.use(UNIT_VOLUME_DEPTH)
+        off_meshes = self._off_meshes(programs, plan, [*grids, *around_meshes], shadows, uniforms)
         outputs, layers, past_meshes = 7 + plan.has_sky_shadows, [], []
-        for grid in grids:
+        for grid, reflected in zip(grids, off_meshes):
             is_fog = plan.has_fog and grid is grids[0]
             uniforms["u_light_count"] = plan.bake["LIGHT_COUNT"] - plan.bake["VOLUME_LIGHTS"] * (not is_fog)
             unscattered, hidden, opacity, extinction, *flux = self._draw(
                 programs, plan.bake, outputs, SIDE, uniforms, grid)
-            if plan.has_sky_shadows:
-                past_meshes += [flux[3], extinction]
+            past_meshes += _past_meshes(plan, reflected[0], extinction, flux[3:])
             scattered = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
             if plan.scatters_again:
+                arriving, along = unscattered, np.stack(flux[:3])
+                if is_fog or not plan.has_fog:  # in the grid of volumes, the fog beside it would count for too much
+                    arriving, along = arriving + reflected[0], along + reflected[1:]
                 light = scattered_light(
-                    extinction[..., 0], _finite(unscattered), _finite(np.stack(flux[:3])), opacity[..., 0],
-                    grid.length / SIDE, grid.medium.albedo, mean_cosine(grid.medium))
+                    extinction[..., 0], _finite(arriving), _finite(along), opacity[..., 0], grid.length / SIDE,
+                    grid.medium.albedo, mean_cosine(grid.medium))
                 scattered[..., :3] = light.fluence / (4 * np.pi)
                 opacity = opacity.copy()
                 opacity[..., 1:] += opacity[..., :1] * light.origin
             layers += [scattered, hidden, opacity]
-        for grid in around_meshes:
-            drawn = self._draw(programs, plan.bake, outputs, SIDE, uniforms, grid)
-            past_meshes += [drawn[7], drawn[3]]
+        for grid, reflected in zip(around_meshes, off_meshes[len(grids):]):
+            extinction = hidden = np.ones((SIDE, SIDE, SIDE, 4), np.float32)
+            if plan.has_sky_shadows:
+                _, _, _, extinction, _, _, _, hidden = self._draw(programs, plan.bake, outputs, SIDE, uniforms, grid)
+            past_meshes += _past_meshes(plan, reflected[0], extinction, [hidden])
         if plan.glow is not None:
             past_meshes.append(_glow(self._draw(programs, plan.glow, outputs, SIDE, uniforms, grids[-1]), grids[-1],
                                      uniforms["u_volume_emission"]))
@@ -100,30 +110,33 @@ class MediaLight:
         from_there = np.maximum(basis @ opacity, 0) / max(opacity[0], 1e-20) * sky.solid_angles
         return replace(sky, irradiance=sky.irradiance * transmittance[:, None] + from_there[:, None] * scattered[:3])
 
+    def _off_meshes(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], shadows: ShadowMaps | None,
+                    uniforms: dict[str, object]) -> list[np.ndarray]:
+        """Light that meshes reflect, (4, SIDE, SIDE, SIDE, 4) for each grid: fluence, and flux along x, y and z."""
+        if plan.lit is None or plan.off_meshes is None or shadows is None:
+            return [np.zeros((4, SIDE, SIDE, SIDE, 4), np.float32)] * len(grids)
+        with lit_patches(self._gl, programs, plan.lit, shadows, uniforms) as lit:
+            return [_finite(np.stack(self._draw(programs, plan.off_meshes, 4, SIDE, lit, grid))) for grid in grids]
+
     def _draw(self, programs: Programs, planned: Program, outputs: int, side: int, uniforms: dict[str, object],
               grid: Grid) -> list[np.ndarray]:
         """The outputs of a pass over the cells of a grid, each (side, side, side, 4) float32."""
-        targets = [self._gl.texture((side, side * side), 4, dtype="f4") for _ in range(outputs)]
-        framebuffer = self._gl.framebuffer(targets)
-        program = programs.get("display/fullscreen.vert", planned.fragment, dict(planned.switches))
-        for name, value in (uniforms | {"u_side": side, "u_grid": grid.uniform}).items():
-            set_uniform(program, name, value)
-        for binding, name in enumerate(("Lights", "Shadows")):
-            if name in program:
-                program[name].binding = binding
-        framebuffer.use()
-        self._gl.enable_only(moderngl.NOTHING)
-        fullscreen(self._gl, program).render(vertices=3)
-        arrays = [np.frombuffer(target.read(), np.float32).reshape(side, side, side, 4) for target in targets]
-        self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
-        for thing in (framebuffer, *targets):
-            thing.release()
-        return arrays
+        arrays = compute(self._gl, programs, planned, (side, side * side), outputs,
+                         uniforms | {"u_side": side, "u_grid": grid.uniform})
+        return [array.reshape(side, side, side, 4) for array in arrays]
 
     def release(self) -> None:
         for texture in (self.texture, self.depths):
             if texture is not None:
                 texture.release()
+
+
+def _past_meshes(plan: MediaPlan, reflected: np.ndarray, extinction: np.ndarray,
+                 hidden: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The parts of a grid that shaders/raster/past_meshes.glsl reads."""
+    light = reflected / (4 * np.pi)
+    light[..., 3] = extinction[..., 3] if plan.has_sky_shadows else 1.0
+    return [light, *hidden][:plan.parts_past_meshes]
 
 
 def _glow(drawn: Sequence[np.ndarray], grid: Grid, emission: Sequence[float]) -> np.ndarray:

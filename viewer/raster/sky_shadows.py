@@ -23,10 +23,10 @@ _TILE = 256
 
 class SkyShadows:
     """The maps of `sky`, whose directions are in world axes. `texture` is bound to the unit of `uniforms`, those of
-    shaders/raster/media_bake.frag about the centre of the scene."""
+    shaders/raster/media_bake.frag about the centre of the scene. Meshes in the way reflect `reflectance`, (3,)."""
 
     def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, sky: ManyLights, casters: Casters,
-                 mean: Callable[[Draw, str], np.ndarray]) -> None:
+                 reflectance: np.ndarray) -> None:
         self._atlas = Atlas(gl, SKY_LIGHTS, _TILE)
         tiles = directional_tiles(-sky.directions, scene, self._atlas.tile_size)
         self._atlas.draw(scene, tiles, [draw for draw in plan.draws if draw.hides_sky], casters)
@@ -37,7 +37,7 @@ class SkyShadows:
         self.uniforms: dict[str, object] = {
             "u_sky_atlas": UNIT_SKY_SHADOWS, "u_sky_shadows": np.float32(rows).tobytes(),
             "u_sky_tiles": self._atlas.tiles,
-            "u_sky_reflected": np.float32(reflected(sky, mean_surface(scene, plan.draws, mean).reflectance)).tobytes()}
+            "u_sky_reflected": np.float32(reflected(sky, reflectance)).tobytes()}
 
     def release(self) -> None:
         self._atlas.release()
