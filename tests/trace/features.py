@@ -162,7 +162,7 @@ TILTED = "The rasterizer reads the irradiance of one cosine lobe, tilted towards
 CAUGHT = "At each surface inside, the rasterizer follows only the stronger of reflection and refraction."
 EDGES = "Edges weigh much in a picture that is mostly empty."
 MIXED = "The rasterizer takes a solid for a slab; light inside of a ball goes everywhere."
-HAZE = "The rasterizer takes light that fog scatters more than once for diffuse, and surfaces light it by a mean colour."
+HAZE = "The rasterizer takes light that fog scatters more than once for diffuse, and surfaces light it in one colour."
 DIFFUSE = "The rasterizer takes light that is scattered more than once for diffuse, on a coarse grid."
 FEATURES = [
     Feature("uniform light, diffuse", ball(constant(), **GREY), 0.004, 0.012),
