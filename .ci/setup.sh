@@ -107,12 +107,15 @@ missing_for_tests() {
     osmesa_works || echo libosmesa6
 }
 
+EXTRAS="docs batch oidn formats cad usd film vdb notebook serve"
+install_extras() { $VENV/bin/python -m pip install -q --disable-pip-version-check -e ".[$1]" >/dev/null 2>&1; }
+
 # Nothing here fails: what cannot be had is said at the end of the tests.
 install_for_tests() {
-    # One at a time: not every machine has all of them.
-    for extra in test docs batch oidn formats cad usd film vdb notebook serve; do
-        $VENV/bin/python -m pip install -q --disable-pip-version-check -e ".[$extra]" >/dev/null 2>&1 || true
-    done
+    # Together, since pip builds the package anew each time; one at a time where a machine does not have all of them.
+    if ! install_extras "$(echo $EXTRAS | tr ' ' ,)"; then
+        for extra in $EXTRAS; do install_extras "$extra" || true; done
+    fi
     missing=$(missing_for_tests)
     [ -n "$missing" ] || return 0
     if command -v apt-get >/dev/null && as_root true; then
