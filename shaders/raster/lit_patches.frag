@@ -8,7 +8,7 @@
 uniform int u_side; // patches along a side of a tile
 
 layout(location = 0) out vec4 o_place;  // in the middle; w: area / pi
-layout(location = 1) out vec4 o_normal; // towards the light; w: its number
+layout(location = 1) out vec4 o_normal; // towards the light; w: its number, also where it lights nothing
 layout(location = 2) out vec4 o_power;  // rgb: that arrives, in lumens where lights have candela and lux
 
 const float MARGIN = 2.0; // texels of a tile that lie beyond the scene, or beyond the face of a cube
@@ -23,7 +23,8 @@ void main() {
     float side = (u_shadow_tile_size - 2.0 * MARGIN) / float(u_side);
     vec2 texel = floor(MARGIN + side * (vec2(square % u_side, square / u_side) + 0.5)) + 0.5;
     LitSurface s = lit_surface(tile, texel, i);
-    o_place = o_normal = o_power = vec4(0.0);
+    o_place = o_power = vec4(0.0);
+    o_normal = vec4(s.normal, float(i));
     if (s.normal == vec3(0.0)) return;
 
     vec3 l;
@@ -33,6 +34,5 @@ void main() {
     vec3 up = place_at(tile, texel + vec2(0.0, side), depth) - s.place;
     float beam = abs(dot(cross(across, up), l)); // area of the square's beam
     o_place = vec4(s.place, beam / max(dot(s.normal, l), 0.05) * INV_PI);
-    o_normal = vec4(s.normal, float(i));
     o_power = vec4(irradiance * beam * transmittance_to_light(i, s.place, l), 0.0);
 }
