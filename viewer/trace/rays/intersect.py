@@ -75,8 +75,9 @@ class Answer:
     along: Any = None
     """(paths, 4) float32 for the texture `along`, likewise."""
     classes: Any = None
-    """(paths,) uint8, of an intersector that tells them: equal where paths are probably shaded by the same pass,
-    NO_KIND of those that have ended or whose ray meets nothing, CLASS_OF_IDLE of idle ones."""
+    """(paths,) uint8, of an intersector that tells them: NO_KIND of paths that have ended or whose ray meets nothing,
+    CLASS_OF_IDLE of idle ones, and of all others the kind of surface that their ray meets. Of paths in media it is a
+    number of its own for each kind, since they may collide before."""
 
     @staticmethod
     def joined(parts: Sequence[Answer]) -> Answer:
