@@ -282,7 +282,7 @@ class Plan:
         passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []
         passes += ["ground"] * (self.ground is not None)
-        passes += ["media behind which nothing stands"] * (self.media is not None and not self.background)
+        passes += ["media without background"] * (self.media is not None and not self.background)
         passes += ["thin-walled transmission"] if self.has_thin_transmission else []
         passes += ["blend"] if self.has_blended else []
         passes = ["overdraw"] if self.counts else passes

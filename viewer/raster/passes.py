@@ -154,7 +154,7 @@ class Passes:
                 with drawing("background"):
                     self._draw_background(frame, target, plan, media)
             elif plan.media is not None:
-                with drawing("media behind which nothing stands"):
+                with drawing("media without background"):
                     self._media.draw_sky(self._depth, media, target.half)
             if plan.ground is not None:
                 with drawing("ground"):
