@@ -13,6 +13,7 @@ import moderngl
 
 from ..base.signals import unbroken
 from ..errors import ContextError, UsageError
+from .address_space import check_address_space
 from .llvmpipe import keep_fences
 
 MINIMUM_VERSION = 330
@@ -202,11 +203,14 @@ def open_context(backend: str = "auto", device: int | None = None) -> Context:
 
     `backend` is egl, osmesa, window (a hidden window) or auto, which takes the first of them that works. `device` is an
     index into the EGL devices that `pbr-viewer doctor` lists, and implies egl; by default the first device that works
-    is used. Raises ContextError, with one line for each attempt and a last line that says how to fix it.
+    is used. Raises ContextError, with one line for each attempt and a last line that says how to fix it; or with one
+    line where the address space is too small.
     """
     if backend not in ("auto", "egl", "osmesa", "window"):
         raise UsageError(f"there is no backend {backend!r}; choose auto, egl, osmesa or window")
     _check_process()
+    if not _processes:
+        check_address_space()
     if device is not None and backend not in ("auto", "egl"):
         raise UsageError(f"a device can be chosen for the egl backend only, not for {backend}")
     if backend == "auto":
