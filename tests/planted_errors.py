@@ -16,7 +16,7 @@ class PlantedError(Mutation):
 
 PIXEL_LOBE = ("tests/shaders/test_pixel_lobe.py", "tests/raster/test_lights.py", "tests/raster/test_normal_spread.py",
               "tests/raster/test_clearcoat.py")
-DEEP_MEDIA = ("tests/trace/test_deep_media.py",)
+DEEP_MEDIA = ("tests/shaders/test_deep_walk.py", "tests/trace/test_deep_media.py")
 GUIDE = ("tests/trace/test_caustic_rays.py", "tests/trace/test_caustic_guide.py")
 BACKGROUND = ("tests/shaders/test_bspline.py", "tests/trace/test_background_pictures.py")
 CANDIDATES = ("tests/trace/test_light_candidates.py",)
