@@ -255,3 +255,11 @@ def test_one_wrong_pixel_is_caught_by_the_maximum(tmp_path):
     pixels[7, 9] = 200
     assert judge(Image.from_srgb(pixels), tmp_path / "a.png", Limits(), "t").problem == "maximum 0.784 > 0.5"
     assert judge(Image.from_srgb(pixels), tmp_path / "a.png", Limits(maximum=None), "t") is None
+
+
+def test_an_error_in_a_shader_is_shown_beside_the_call_alone(pytester):
+    pytester.makefile(".glsl", mine="float f(float x) { return flor(x); }")
+    pytester.makepyfile("def test_a(gl): gl.call('mine.glsl', 'f', x=1)")
+    shown = pytester.runpytest().stdout
+    shown.fnmatch_lines(["E * viewer.errors.ShaderError: *mine.glsl:1: no function with name 'flor'"])
+    shown.no_fnmatch_line("*compile_sources*")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from .base.expect import expect
-from .errors import UsageError
+from .errors import UsageError, ViewerError
 
 if TYPE_CHECKING:
     import moderngl
@@ -119,7 +119,11 @@ class GL:
         """Calls a GLSL function on `arrays` in this context; see `viewer.call_glsl`."""
         from .gpu.call import call_glsl
 
-        return call_glsl(file, function, defines=defines, context=self.context, **arrays)
+        __tracebackhide__ = True
+        try:
+            return call_glsl(file, function, defines=defines, context=self.context, **arrays)
+        except ViewerError as error:  # its one line says everything: the frames of this package would bury it
+            raise error.with_traceback(None) from None
 
     def check(self, picture: Image | np.ndarray) -> None:
         """Fails the test if a pixel is NaN or infinite, or if an OpenGL error is pending."""

@@ -80,8 +80,18 @@ def test_integer_indices_draw_the_same_picture():
     (lambda: square(uvs=(np.zeros((4, 3)),)), r"Mesh\.uvs\[0\] is \(4, 3\)"),
     (lambda: square(topology="quads"), r"Mesh\.topology is 'quads', not one of triangles, lines, points"),
     (lambda: viewer.Instance(0, np.eye(3)), r"Instance\.transform is \(3, 3\)"),
-    (lambda: viewer.Scene("s", (square(material=1),), (viewer.Material(),)), r"Scene\.meshes\[0\]: material 1, but"),
-    (lambda: viewer.Scene("s", instances=(viewer.Instance(0, np.eye(4)),)), r"Scene\.instances\[0\]: mesh 0, but"),
+    (lambda: viewer.Scene("s", (square(material=1),), (viewer.Material(),)),
+     r"Scene\.meshes\[0\]: material 1, but only 0 exists"),
+    (lambda: viewer.Scene("s", instances=(viewer.Instance(0, np.eye(4)),)),
+     r"Scene\.instances\[0\]: mesh 0, but there are none"),
+    (lambda: viewer.Scene("s", meshes=None), r"Scene\.meshes is of type NoneType, not a tuple of meshes"),
+    (lambda: viewer.Scene("s", materials=["red"]), r"Scene\.materials\[0\] is of type str, not a Material"),
+    (lambda: viewer.Scene("s", instances=[3]), r"Scene\.instances\[0\] is of type int, not an Instance"),
+    (lambda: viewer.Scene("s").relit(lights=viewer.Light("point")), r"Scene\.lights is of type Light, not a tuple of"),
+    (lambda: viewer.Scene("s").relit(environment="studio"), r"Scene\.environment is of type str, not an Environment"),
+    (lambda: viewer.Scene("s").framing_camera(0), r"aspect=0: it must be above 0"),
+    (lambda: viewer.Scene("s").framing_camera("4:3"), r"aspect is of type str, not a number"),
+    (lambda: viewer.write_cameras("cameras.json", 3), r"frames is of type int, not a list"),
     (lambda: viewer.Camera(np.eye(4) * np.nan), r"Camera\.pose .*holds NaN"),
     (lambda: viewer.Camera(np.eye(4).tolist(), 45), r"Camera\.fov_y is 45, .*in radians: math\.radians\(45\)"),
     (lambda: viewer.Camera(np.eye(4), math.nan), r"Camera\.fov_y is nan"),
@@ -94,6 +104,15 @@ def test_integer_indices_draw_the_same_picture():
     (lambda: viewer.Light("point", (1, 1)), r"Light\.color is \(2,\)"),
     (lambda: viewer.Light("point", position=(1, math.inf, 1)), r"Light\.position .*holds NaN"),
     (lambda: viewer.Light("spot", direction=(0, 0, 0)), r"Light\.direction is 0, 0, 0"),
+    (lambda: viewer.Light("point", intensity="1"), r"Light\.intensity is of type str, not a number"),
+    (lambda: viewer.Light("point", range="1"), r"Light\.range is of type str, not a number"),
+    (lambda: Environment("e", np.ones((4, 8, 3)), intensity="1"), r"Environment\.intensity is of type str, not a num"),
+    (lambda: viewer.Material(base_color=(1, 0, 0)), r"Material\.base_color is \(3,\) int64, not \(4,\) float64"),
+    (lambda: viewer.Material(base_color="red"), r"Material\.base_color: str is no array of numbers"),
+    (lambda: viewer.Material(metallic="1"), r"Material\.metallic is of type str, not a number"),
+    (lambda: viewer.Material(perceptual_roughness=math.nan), r"Material\.perceptual_roughness is nan, not a number"),
+    (lambda: viewer.Material(base_color_texture="a.png"), r"Material\.base_color_texture is of type str, not a Text"),
+    (lambda: viewer.Material(alpha_mode="x"), r"Material\.alpha_mode is 'x', not one of opaque, mask, blend"),
     (lambda: Environment("e", np.zeros((4, 8))), r"Environment\.source is \(4, 8\)"),
     (lambda: Environment("e", np.full((4, 8, 3), -1.0)), r"Environment\.source .*below 0"),
     (lambda: Environment("e", np.full((4, 8, 3), 3e38)), r"Environment\.source .*3e\+38 is over 1e\+12"),
@@ -106,6 +125,10 @@ def test_what_has_no_meaning_is_one_line(make, words):
     with pytest.raises(viewer.UsageError, match=words) as caught:
         make()
     assert "\n" not in str(caught.value)
+
+
+def test_a_colour_of_a_material_may_be_an_array():
+    assert viewer.Material(base_color=np.array([1, 0, 0, 1])) == viewer.Material(base_color=(1.0, 0.0, 0.0, 1.0))
 
 
 def test_what_a_scene_holds_cannot_be_changed():

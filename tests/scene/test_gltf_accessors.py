@@ -68,7 +68,8 @@ def test_sparse(backed):
 @pytest.mark.parametrize("change, place", [
     ({"count": 4}, r"accessors\[0\]\.count"), ({"count": 2**53}, r"accessors\[0\]\.count"),
     ({"count": 2.5}, r"accessors\[0\]\.count"),
-    ({"byteOffset": 4}, r"accessors\[0\]\.count"), ({"bufferView": 7}, r"accessors\[0\]\.bufferView"),
+    ({"byteOffset": 4}, r"accessors\[0\]\.count"),
+    ({"bufferView": 7}, r"accessors\[0\]\.bufferView: index 7, but only 0 exists"),
     ({"componentType": 5124}, r"accessors\[0\]\.componentType"), ({"type": "VEC2"}, r"accessors\[0\]\.type"),
     ({"count": "3"}, r"accessors\[0\]\.count"), ({"count": -3}, r"accessors\[0\]\.count")])
 def test_bad_accessors_name_their_place(change, place):

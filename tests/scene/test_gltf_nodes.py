@@ -47,7 +47,8 @@ def test_scenes():
 
 @pytest.mark.parametrize("nodes, problem", [
     ([{"children": [0]}], "own ancestor"), ([{"children": [1]}, {"children": [0]}], "own ancestor"),
-    ([{"children": [2]}, {"children": [2]}, {}], "child of nodes"), ([{"children": [5]}], "index 5"),
+    ([{"children": [2]}, {"children": [2]}, {}], "child of nodes"),
+    ([{"children": [5]}], "index 5, but only 0 exists"),
     ([{"children": [True]}], "integer"), ([{"children": {}}], "array"), ([7], "object")])
 def test_broken_hierarchies(nodes, problem):
     builder = GltfBuilder(nodes=nodes, scenes=[{"nodes": [0]}])
@@ -79,7 +80,7 @@ def test_an_index_is_an_integer(place):
     right = 1 if place == "nodes[0].children[0]" else 0
     assert load(float(right)).triangle_count == load(right).triangle_count == 1
     for value, problem in ((1.5, "not 1.5"), (True, "not true or false"), ("0", "not a string"), (None, "not null"),
-                           (-1, ""), (7, "index 7, but there"), (10**400, r"below 2\^53"), (1e300, r"below 2\^53")):
+                           (-1, ""), (7, "index 7, but only"), (10**400, r"below 2\^53"), (1e300, r"below 2\^53")):
         with pytest.raises(InputError, match=re.escape(f"{place}: ") + f".*{problem}") as caught:
             load(value)
         assert len(str(caught.value)) < 100

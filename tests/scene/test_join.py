@@ -21,7 +21,7 @@ from viewer.scene.material import Material
 from viewer.scene.scene import Scene
 from viewer.scene.volume import Volume
 
-RED = Material(base_color=(1.0, 0.0, 0.0))
+RED = Material(base_color=(1.0, 0.0, 0.0, 1.0))
 SMOKE = Scene("smoke", volumes=(Volume.in_box(np.ones((2, 3, 4)), [[5, 5, 5], [6, 7, 8]]),), warnings=("thin",),
               facts={"format": "VOL", "grids": [{"name": "density"}]})
 

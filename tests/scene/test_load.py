@@ -18,7 +18,7 @@ def test_content_decides(tmp_path, name, data, kind):
 
 @pytest.mark.parametrize("name, data, problem", [
     ("a.glb", b"", "empty"), ("a.xyzzy", b"hello", "not a model"), ("a.gltf", b"hello", "JSON"),
-    ("a", b"hello", "not a model")])
+    ("a", b"hello", "not a model"), ("a.hdr", b"#?RADIANCE", "a picture, not a model; .*--env")])
 def test_unknown_files(tmp_path, name, data, problem):
     (tmp_path / name).write_bytes(data)
     with pytest.raises(InputError, match=problem):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from numbers import Real
 from os import PathLike
 
 from ..errors import UsageError
@@ -19,3 +21,15 @@ def expect(value: object, kind: type | tuple[type, ...], name: str, wanted: str)
 def expect_path(value: object, name: str) -> None:
     """Raises UsageError if `value` is not a path, that is, neither text nor `os.PathLike`."""
     expect(value, (str, PathLike), name, "a path")
+
+
+def expect_number(value: object, name: str) -> None:
+    """Raises UsageError if `value` is not a real number, or is NaN. Infinity is a number."""
+    expect(value, Real, name, "a number")
+    if math.isnan(value):  # type: ignore[arg-type]
+        raise UsageError(f"{name} is {value}, not a number")
+
+
+def existing(count: int) -> str:
+    """Which numbers of `count` things exist, counted from 0, for a message about one that does not."""
+    return "there are none" if count == 0 else "only 0 exists" if count == 1 else f"only 0 to {count - 1} exist"

@@ -239,6 +239,7 @@ def write_cameras(path: str | PathLike[str], frames: Sequence[CameraFrame]) -> N
     """Write a transforms.json, which `read_cameras` reads as the same cameras, whole or not at all. The files of the
     pictures are named relative to its folder. Raises OutputError."""
     expect_path(path, "path")
+    expect(frames, (tuple, list), "frames", "a list of CameraFrames")
     for k, frame in enumerate(frames):
         expect(frame, CameraFrame, f"frames[{k}]", "a CameraFrame")
     write_frames(path, [(camera_facts(frame.camera, frame.size), frame.file, frame.depth_file) for frame in frames])

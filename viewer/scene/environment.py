@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.expect import expect_number
 from ..errors import UsageError
 from .arrays import HoldsArrays, scene_array
 from .light import BRIGHTEST
@@ -48,6 +49,8 @@ class Environment(HoldsArrays):
                 raise UsageError(f"Environment.source {radiance.shape}: radiance {radiance.max():.3g} is over "
                                  f"{MAX_RADIANCE:g}")
             self._set("source", radiance)
+        expect_number(self.rotation, "Environment.rotation")
+        expect_number(self.intensity, "Environment.intensity")
         if not (math.isfinite(self.rotation) and 0 <= self.intensity <= MAX_INTENSITY):
             raise UsageError(f"Environment: rotation {self.rotation:g}, intensity {self.intensity:g} are not finite, "
                              f"or intensity is not from 0 to {MAX_INTENSITY:g}")

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.expect import expect_number
 from ..errors import UsageError
 from .arrays import scene_numbers
 
@@ -54,8 +55,11 @@ class Light:
         for name in ("color", "position", "direction"):
             object.__setattr__(self, name, scene_numbers(getattr(self, name), f"Light.{name}", 3))
         for name in ("intensity", "inner_cone", "outer_cone", "angular_radius", "radius"):
-            if not math.isfinite(getattr(self, name)):
+            expect_number(getattr(self, name), f"Light.{name}")
+            if math.isinf(getattr(self, name)):
                 raise UsageError(f"Light.{name} is {getattr(self, name)}, not a finite number")
+        if self.range is not None:
+            expect_number(self.range, "Light.range")
         largest = max(map(abs, self.direction))
         if largest == 0:
             raise UsageError("Light.direction is 0, 0, 0, which points nowhere")

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError, UsageError
+from .environment_files import FORMATS as ENVIRONMENT_FORMATS
 from .files import read_file
 from .gltf import load_gltf
 from .scene import MAX_EXTENT, Scene
@@ -110,6 +111,9 @@ def _found_format(path: Path, data: bytes) -> str:
     known = mesh_formats()
     if suffix in OPTIONAL - known:
         raise _missing(path, suffix, "formats")
+    if f".{suffix}" in ENVIRONMENT_FORMATS:
+        raise InputError(path, "", "is a picture, not a model; to light a model with it, give it with --env, or in "
+                                   "Python as environment=")
     if suffix not in known:
         names = ", ".join(sorted({"gltf", "glb", *VOLUME_FORMATS, *CURVE_FORMATS, *_PACKAGES} | known))
         raise InputError(path, "", f"is not a model in a supported format ({names})")

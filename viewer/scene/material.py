@@ -7,11 +7,13 @@ samples is never decoded.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from types import NoneType
+from typing import Literal, get_args
 
 import numpy as np
 
+from ..base.expect import expect, expect_number
 from ..errors import UsageError
 from .arrays import scene_numbers
 from .light import BRIGHTEST
@@ -306,7 +308,16 @@ class Material:
     """Of woven cloth, in place of all other parameters."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "emissive", scene_numbers(self.emissive, "Material.emissive", 3))
+        for field in fields(self):
+            value, name = getattr(self, field.name), f"Material.{field.name}"
+            if "map" in field.metadata:
+                expect(value, (Texture, NoneType), name, "a Texture or None")
+            elif "parameter" in field.metadata and isinstance(field.default, tuple):
+                object.__setattr__(self, field.name, scene_numbers(value, name, len(field.default)))
+            elif "parameter" in field.metadata:
+                expect_number(value, name)
+        if self.alpha_mode not in get_args(AlphaMode):
+            raise UsageError(f"Material.alpha_mode is {self.alpha_mode!r}, not one of {', '.join(get_args(AlphaMode))}")
         if not all(0 <= channel <= BRIGHTEST for channel in self.emissive):
             raise UsageError(f"Material.emissive is {self.emissive}, not from 0 to {BRIGHTEST:g}")
 

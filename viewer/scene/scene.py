@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import zip_longest
 from numbers import Integral, Real
+from types import NoneType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.expect import expect
+from ..base.expect import existing, expect, expect_number
 from ..errors import UsageError
 from . import extent, framing, override
 from .animation import Animation
@@ -82,18 +83,24 @@ class Scene:
     curves: tuple[Curves, ...] = ()
 
     def __post_init__(self) -> None:
-        expect(self.volumes, (tuple, list), "Scene.volumes", "a tuple of volumes")
-        for k, volume in enumerate(self.volumes):
-            expect(volume, Volume, f"Scene.volumes[{k}]", "a Volume (Volume.in_box makes one of an array)")
-        expect(self.curves, (tuple, list), "Scene.curves", "a tuple of curves")
-        for k, curves in enumerate(self.curves):
-            expect(curves, Curves, f"Scene.curves[{k}]", "Curves")
+        for name, kind, wanted in (
+                ("meshes", Mesh, "a Mesh"), ("materials", Material, "a Material"),
+                ("instances", Instance, "an Instance"), ("lights", Light, "a Light"),
+                ("cameras", Camera, "a Camera"), ("curves", Curves, "Curves"),
+                ("volumes", Volume, "a Volume (Volume.in_box makes one of an array)")):
+            values = getattr(self, name)
+            expect(values, (tuple, list), f"Scene.{name}", f"a tuple of {name}")
+            for k, value in enumerate(values):
+                if type(value) is not kind:  # so that a million names are not formatted in vain
+                    expect(value, kind, f"Scene.{name}[{k}]", wanted)
+        expect(self.environment, (Environment, NoneType), "Scene.environment",
+               "an Environment or None (viewer.load and viewer.scene make one of a name)")
         for k, mesh in enumerate(self.meshes):
             if not 0 <= mesh.material < len(self.materials):
-                raise UsageError(f"Scene.meshes[{k}]: material {mesh.material}, but there are {len(self.materials)}")
+                raise UsageError(f"Scene.meshes[{k}]: material {mesh.material}, but {existing(len(self.materials))}")
         for k, instance in enumerate(self.instances):
             if not 0 <= instance.mesh < len(self.meshes):
-                raise UsageError(f"Scene.instances[{k}]: mesh {instance.mesh}, but there are {len(self.meshes)}")
+                raise UsageError(f"Scene.instances[{k}]: mesh {instance.mesh}, but {existing(len(self.meshes))}")
 
     def __repr__(self) -> str:
         """In one line: the arrays would fill pages."""
@@ -189,6 +196,9 @@ class Scene:
         `target`, (3,) in world space, is in the middle of the picture. The distance depends on the direction; for one
         that does not, take `Camera.framing(scene.center, scene.radius, ...)`.
         """
+        expect_number(aspect, "aspect")
+        if not 0 < aspect < math.inf:
+            raise UsageError(f"aspect={aspect}: it must be above 0")
         return framing.camera(self, aspect, azimuth, elevation, fov_y, target, orthographic)
 
     def relit(self, **changes: Any) -> Scene:
@@ -196,11 +206,10 @@ class Scene:
 
         Lights may be added behind those of the file. If those of the file are changed, none of them moves any more.
         """
-        rig, lights = self.rig, changes.get("lights", self.lights)
+        copy, rig = replace(self, **changes), self.rig
         if rig is not None and any(a is not b for a, b in zip_longest(self.lights[:len(rig.lights)],
-                                                                       lights[:len(rig.lights)])):
-            changes["rig"] = replace(rig, lights=(), light_items=())
-        copy = replace(self, **changes)
+                                                                       copy.lights[:len(rig.lights)])):
+            copy = replace(copy, rig=replace(rig, lights=(), light_items=()))
         for name in ("bounds", "corners", "volume_corners", "curve_corners", "center", "radius"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]

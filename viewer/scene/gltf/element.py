@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ...base.expect import existing
 from ...errors import InputError
 
 T = TypeVar("T")
@@ -87,7 +88,7 @@ class Element:
         """An index into an array of `count` elements."""
         value = self.integer(key, default)
         if value is not default and value >= count:
-            raise self.error(f"index {value}, but there are {count}", key)
+            raise self.error(f"index {value}, but {existing(count)}", key)
         return value
 
     def indices(self, key: str, count: int) -> list[int]:
@@ -96,7 +97,7 @@ class Element:
                   for k, value in enumerate(self._get(key, list, "an array", []))]
         for k, value in enumerate(values):
             if not 0 <= value < count:
-                raise self.error(f"index {value}, but there are {count}", f"{key}[{k}]")
+                raise self.error(f"index {value}, but {existing(count)}", f"{key}[{k}]")
         return values
 
     def number(self, key: str, default: Any = _MISSING, low: float = -math.inf, high: float = math.inf) -> float:
