@@ -238,7 +238,7 @@ PATH_OPTIONS = [
                  help="Make the best picture within this time. Both renderers are tried; with --mode path, path "
                       "tracing only."),
     click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
-                 help="Make a picture with at most this relative error (0.02 is 2 %) as fast as possible. Both "
+                 help="Make a picture with at most this relative error (0.02 is 2 %) in little time. Both "
                       "renderers are tried; with --mode path, path tracing only. The error is an estimate."),
     click.option("--seed", type=Whole(*_ends("seed")), default=0, metavar="N",
                  help="Mode path: the seed of the random numbers; the same N gives the same noise."),
