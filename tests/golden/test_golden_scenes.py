@@ -22,7 +22,7 @@ from viewer.raster.renderer import Renderer
 PICTURES = [(mode, case) for mode in ("pbr", "phong") for case in CASES]
 ON_OSMESA = {
     "pbr": ("glass-traced", "subsurface", "hair", "interlaced", "environment-shadows", "alpha", "lights"),
-    "phong": ("tiny", "knitted", "lines-points", "cloud"),
+    "phong": ("tiny", "knitted", "lines-points", "cloud", "fog"),
 }
 """What OSMesa draws where EGL draws all. Both compile shaders by the same code of Mesa; what differs is their contexts,
 so every pass and every kind of program, primitive and coverage is drawn with both."""

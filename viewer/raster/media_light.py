@@ -112,11 +112,13 @@ class MediaLight:
 
     def _off_meshes(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], shadows: ShadowMaps | None,
                     uniforms: dict[str, object]) -> list[np.ndarray]:
-        """Light that meshes reflect, (4, SIDE, SIDE, SIDE, 4) for each grid: fluence, and flux along x, y and z."""
-        if plan.lit is None or plan.off_meshes is None or shadows is None:
+        """Light that meshes reflect, (4, SIDE, SIDE, SIDE, 4) for each grid: fluence, and flux along x, y and z. It
+        changes slowly with the place, so it is found at every second cell along each axis."""
+        if plan.lit is None or plan.off_meshes is None or shadows is None or not any(uniforms["u_reflectance"]):
             return [np.zeros((4, SIDE, SIDE, SIDE, 4), np.float32)] * len(grids)
         with lit_patches(self._gl, programs, plan.lit, shadows, uniforms) as lit:
-            return [_finite(np.stack(self._draw(programs, plan.off_meshes, 4, SIDE, lit, grid))) for grid in grids]
+            drawn = [np.stack(self._draw(programs, plan.off_meshes, 4, SIDE // 2, lit, grid)) for grid in grids]
+        return [_between_cells(_finite(light)) for light in drawn]
 
     def _draw(self, programs: Programs, planned: Program, outputs: int, side: int, uniforms: dict[str, object],
               grid: Grid) -> list[np.ndarray]:
@@ -153,6 +155,16 @@ def _glow(drawn: Sequence[np.ndarray], grid: Grid, emission: Sequence[float]) ->
     result = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
     result[..., :3] = (light.fluence + own[..., :3]) / (4 * np.pi)
     return result
+
+
+def _between_cells(light: np.ndarray) -> np.ndarray:
+    """Light (..., n, n, n, 4) at the cells of a grid that is twice as fine, (..., 2 n, 2 n, 2 n, 4), linearly."""
+    for axis in (-4, -3, -2):
+        cells = np.moveaxis(light, axis, 0)
+        before, after = np.concatenate([cells[:1], cells[:-1]]), np.concatenate([cells[1:], cells[-1:]])
+        finer = np.stack([0.75 * cells + 0.25 * before, 0.75 * cells + 0.25 * after], axis=1)
+        light = np.moveaxis(finer.reshape(-1, *cells.shape[1:]), 0, axis)
+    return light
 
 
 def _finite(light: np.ndarray) -> np.ndarray:
