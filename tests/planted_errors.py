@@ -21,7 +21,7 @@ GUIDE = ("tests/trace/test_caustic_rays.py", "tests/trace/test_caustic_guide.py"
 BACKGROUND = ("tests/shaders/test_bspline.py", "tests/trace/test_background_pictures.py")
 CANDIDATES = ("tests/trace/test_light_candidates.py",)
 ENCLOSED = ("tests/raster/test_enclosed.py",)
-DEFERRED = ("tests/raster/test_deferred.py",)
+DEFERRED = ("tests/raster/test_deferred_maps.py", "tests/raster/test_deferred.py")
 MIXTURE = ("tests/estimate/test_combining.py", "tests/estimate/test_mixture.py")
 ADAPTIVE = ("tests/trace/test_distribution.py", "tests/trace/test_schedule.py")
 

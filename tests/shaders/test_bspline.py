@@ -31,9 +31,10 @@ def test_it_is_the_cubic_b_spline_through_the_texels(egl, evaluate, size, is_exa
     assert small.sum() > 100 and np.abs(found - expected)[small].max() < 1e-3
 
 
-@pytest.mark.parametrize("peak", [1e12, 3.0, 1e-6])
+@pytest.mark.parametrize("peak", [1e12, 3.0, 1e-6, np.nextafter(np.float32(4), np.float32(0))])
 def test_pairs_hold_the_texels(peak):
-    """Over 2^60, to eleven bits, whatever the largest is; what is smaller becomes 0."""
+    """Over 2^60, to eleven bits, whatever the largest is, which may be rounded up to a power of two; what is smaller
+    becomes 0."""
     random = np.random.default_rng(6)
     texels = (peak * 2.0 ** -random.uniform(0, 60, (5, 6, 3))).astype(np.float32)
     texels[1, 2], texels[3, 3], texels[4, 4] = peak, peak * 2.0**-80, -0.0
