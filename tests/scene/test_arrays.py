@@ -108,6 +108,7 @@ def test_integer_indices_draw_the_same_picture():
     (lambda: viewer.Light("point", range="1"), r"Light\.range is of type str, not a number"),
     (lambda: Environment("e", np.ones((4, 8, 3)), intensity="1"), r"Environment\.intensity is of type str, not a num"),
     (lambda: viewer.Material(base_color=(1, 0, 0)), r"Material\.base_color is \(3,\) int64, not \(4,\) float64"),
+    (lambda: viewer.Material(base_color=(255, 0, 0, 255)), r"Material\.base_color is \(255\.0, .*, not from 0 to 1"),
     (lambda: viewer.Material(base_color="red"), r"Material\.base_color: str is no array of numbers"),
     (lambda: viewer.Material(metallic="1"), r"Material\.metallic is of type str, not a number"),
     (lambda: viewer.Material(perceptual_roughness=math.nan), r"Material\.perceptual_roughness is nan, not a number"),

@@ -316,6 +316,8 @@ class Material:
                 object.__setattr__(self, field.name, scene_numbers(value, name, len(field.default)))
             elif "parameter" in field.metadata:
                 expect_number(value, name)
+        if not all(0 <= channel <= 1 for channel in self.base_color):
+            raise UsageError(f"Material.base_color is {self.base_color}, not from 0 to 1")
         if self.alpha_mode not in get_args(AlphaMode):
             raise UsageError(f"Material.alpha_mode is {self.alpha_mode!r}, not one of {', '.join(get_args(AlphaMode))}")
         if not all(0 <= channel <= BRIGHTEST for channel in self.emissive):
