@@ -62,9 +62,8 @@ class Depth:
     @contextmanager
     def equal(self) -> Iterator[None]:
         """Draw what lies exactly as deep as what was drawn before, within `test()`."""
-        self._gl.depth_func = "=="
-        yield
-        self._gl.depth_func = self._nearer
+        with self._compared("=="):
+            yield
 
     @contextmanager
     def only_at(self, depth: float) -> Iterator[None]:
@@ -81,9 +80,8 @@ class Depth:
     @contextmanager
     def all(self) -> Iterator[None]:
         """Let all pixels store their depth, within `test()`."""
-        self._gl.depth_func = "1"
-        yield
-        self._gl.depth_func = self._nearer
+        with self._compared("1"):
+            yield
 
     @contextmanager
     def as_far(self) -> Iterator[None]:
@@ -108,15 +106,25 @@ class Depth:
         """Draw also what is nearer than the near plane, before all, and farther than the far one, behind all that is
         there, within `test()`."""
         self._gl.enable_direct(_DEPTH_CLAMP)
-        self._gl.depth_func = self._nearer + "="
-        yield
-        self._gl.depth_func = self._nearer
-        self._gl.disable_direct(_DEPTH_CLAMP)
+        try:
+            with self._compared(self._nearer + "="):
+                yield
+        finally:
+            self._gl.disable_direct(_DEPTH_CLAMP)
 
     @contextmanager
     def _at(self, depth: float, compare: str) -> Iterator[None]:
         self._set_range(depth, depth)
+        try:
+            with self._compared(compare):
+                yield
+        finally:
+            self._set_range(0.0, 1.0)
+
+    @contextmanager
+    def _compared(self, compare: str) -> Iterator[None]:
         self._gl.depth_func = compare
-        yield
-        self._gl.depth_func = self._nearer
-        self._set_range(0.0, 1.0)
+        try:
+            yield
+        finally:
+            self._gl.depth_func = self._nearer

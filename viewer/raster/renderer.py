@@ -62,11 +62,17 @@ class Renderer:
         self.pass_ms = self._watch.pass_ms
         """Milliseconds of each pass of the last frame, by the wall clock, where `measure` is set."""
         self._depth = Depth(context)
-        self._prepared = Prepared(context, self.programs, self._watch, use_cache)
-        self._passes = Passes(context, self.programs, self._depth, self._prepared, self._watch)
-        self._caustics = Caustics(context, self.programs)
-        self._has_caustics = False
+        self._use_cache = use_cache
         self._display = DisplayPass(self._gl, self.programs)
+        self._hold_nothing()
+
+    def _hold_nothing(self) -> None:
+        """Begin without a scene. What was held of one before is freed with its last reference."""
+        self.plan = None
+        self._prepared = Prepared(self.context, self.programs, self._watch, self._use_cache)
+        self._passes = Passes(self.context, self.programs, self._depth, self._prepared, self._watch)
+        self._caustics = Caustics(self.context, self.programs)
+        self._has_caustics = False
         self._target: Target | None = None
         self._given: Scene | None = None
 
@@ -175,6 +181,15 @@ class Renderer:
         """
         self.context.make_current()
         self.pass_ms.clear()
+        try:
+            self._draw(scene, camera, settings, size, half, still, part, keeps_photons)
+        except BaseException:  # Ctrl-C in a notebook, for example: what is held may be half made
+            self._gl.clear_samplers()
+            self._hold_nothing()
+            raise
+
+    def _draw(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int], half: bool, still: bool,
+              part: tuple[int, int, int, int] | None, keeps_photons: bool) -> None:
         given, settings = scene, view_settings(settings)
         self._given = given
         scene = _shown(scene, settings)

@@ -86,11 +86,13 @@ class Atlas:
         gl.enable_only(moderngl.DEPTH_TEST)
         gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: the rounding error of the depth map
         viewports = [(*self.corner(k), self.tile_size, self.tile_size) for k in range(len(tiles))]
-        draw_meshes(framebuffer, viewports, scene, tiles, draws, casters.prepare_mesh)
-        for viewport, tile in zip(viewports, tiles, strict=True):
-            framebuffer.viewport = viewport
-            casters.draw_curves(tile.matrix @ _to_center(scene), self.tile_size)
-        gl.polygon_offset = 0.0, 0.0
+        try:
+            draw_meshes(framebuffer, viewports, scene, tiles, draws, casters.prepare_mesh)
+            for viewport, tile in zip(viewports, tiles, strict=True):
+                framebuffer.viewport = viewport
+                casters.draw_curves(tile.matrix @ _to_center(scene), self.tile_size)
+        finally:
+            gl.polygon_offset = 0.0, 0.0
 
     def corner(self, k: int) -> tuple[int, int]:
         """Of tile k, in texels."""

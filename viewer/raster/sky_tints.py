@@ -35,9 +35,11 @@ class TintAtlas:
         gl.blend_equation = moderngl.FUNC_ADD, moderngl.MIN  # optical depths, and the depth of the nearest surface
         side = self._side
         viewports = [(k % self._columns * side, k // self._columns * side, side, side) for k in range(len(tiles))]
-        draw_meshes(framebuffer, viewports, scene, tiles, [draw for draw in plan.draws if not draw.hides_sky],
-                    casters.prepare_tint)
-        gl.blend_equation = moderngl.FUNC_ADD
+        try:
+            draw_meshes(framebuffer, viewports, scene, tiles, [draw for draw in plan.draws if not draw.hides_sky],
+                        casters.prepare_tint)
+        finally:
+            gl.blend_equation = moderngl.FUNC_ADD
 
     def release(self) -> None:
         self._framebuffer.release()

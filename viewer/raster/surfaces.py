@@ -192,13 +192,15 @@ class Surfaces:
             if draw.alpha_mode == "mask":
                 gl.enable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.enable_direct(_SAMPLE_ALPHA_TO_ONE)
-            if draw.instances:
-                self._draw_instances(program, draw, mesh, frame)
-            else:
-                self._draw_instance(program, draw, mesh, frame, is_sorted, show)
-            if draw.alpha_mode == "mask":
-                gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
-                gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
+            try:
+                if draw.instances:
+                    self._draw_instances(program, draw, mesh, frame)
+                else:
+                    self._draw_instance(program, draw, mesh, frame, is_sorted, show)
+            finally:
+                if draw.alpha_mode == "mask":
+                    gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
+                    gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
         gl.front_face, gl.cull_face = "ccw", "back"
 
     def _draw_instance(self, program: moderngl.Program, draw: Draw, mesh: MeshBuffers, frame: Frame,
