@@ -51,5 +51,5 @@ def counted_bytes() -> Iterator[list[float]]:
         Context.function = function
 
 
-_COMPONENTS = {0x1903: 1, 0x8227: 2, 0x1907: 3, 0x1908: 4}
+_COMPONENTS = {0x1903: 1, 0x8227: 2, 0x1907: 3, 0x1908: 4, 0x1902: 1}
 _SIZES = {0x1401: 1, 0x1403: 2, 0x140B: 2, 0x1406: 4}

@@ -102,6 +102,17 @@ def test_the_least_recently_used_go_when_it_is_full(monkeypatch):
     assert [cache.load(name) is not None for name in names] == [True, False, True, False]
 
 
+def test_shadow_maps_go_before_the_others(monkeypatch):
+    megabyte = {"data": np.zeros(1 << 20, np.uint8)}
+    monkeypatch.setattr(cache, "LIMIT", 4.5 * (1 << 20))
+    monkeypatch.setattr(cache, "SHADOWS_LIMIT", 2.5 * (1 << 20))
+    names = [cache.key(0), *(cache.SHADOWS + cache.key(k) for k in range(3)), cache.key(4), cache.key(5)]
+    for age, name in enumerate(names):
+        cache.store(name, megabyte)
+        os.utime(cache._path(name), (time.time() - 50 + age,) * 2)
+    assert [cache.load(name) is not None for name in names] == [False, False, True, True, True, True]
+
+
 def test_abandoned_temporary_files_go(own_cache):
     own_cache.mkdir()
     old, fresh = own_cache / ".a.bake.1-aa", own_cache / ".b.bake.2-bb"

@@ -2,7 +2,8 @@
 
 The key of an entry is a hash of the input's content, the parameters and the source code of this folder. So no entry has
 to be invalidated: changed input or code has another key. An entry is written to a temporary file, which is then
-renamed, and has a checksum. If all entries together exceed LIMIT, the least recently used ones are deleted. If the
+renamed, and has a checksum. If all entries together exceed LIMIT, the least recently used ones are deleted. If those
+of shadow maps exceed SHADOWS_LIMIT, these are deleted before the others, which take longer to compute again. If the
 folder cannot be written, an entry is damaged or another process deletes it, the data is only computed again.
 
 The environment variable PBR_VIEWER_CACHE names another folder, or is `off`.
@@ -24,7 +25,9 @@ import numpy as np
 
 from ..base.digest import files_digest
 
-LIMIT = 512 << 20  # bytes
+LIMIT, SHADOWS_LIMIT = 512 << 20, 256 << 20  # bytes
+SHADOWS = "shadows-"
+"""The names of entries of shadow maps begin with it."""
 _MAGIC = b"PBRV\x00\x01"
 _HEADER = struct.Struct("<6sIQI")  # magic, bytes of JSON, bytes of data, CRC-32 of JSON and data
 _ABANDONED = 3600.0  # age in seconds from which a temporary file of another process is deleted
@@ -70,7 +73,8 @@ def store(name: str, arrays: dict[str, np.ndarray]) -> None:
     temporary = path.with_name(f".{path.name}.{os.getpid()}-{os.urandom(4).hex()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_bytes(_pack(arrays))
+        with temporary.open("wb") as file:
+            file.writelines(_pack(arrays))
         os.replace(temporary, path)
     except OSError:
         with suppress(OSError):
@@ -114,7 +118,7 @@ def _remove(path: Path) -> int:
 
 
 def _trim(folder: Path) -> None:
-    """Delete the least recently used entries until LIMIT is kept, and abandoned temporary files."""
+    """Delete the least recently used entries until both limits are kept, and abandoned temporary files."""
     found = []
     for path in _entries(folder):
         with suppress(OSError):
@@ -124,20 +128,27 @@ def _trim(folder: Path) -> None:
                     _remove(path)
             else:
                 found.append((status.st_mtime, status.st_size, path))
-    excess = sum(size for _, size, _ in found) - LIMIT
-    for _, size, path in sorted(found, key=lambda entry: entry[0]):
-        if excess <= 0:
-            break
-        excess -= size
-        _remove(path)
+    found.sort(key=lambda entry: entry[0])
+    for prefix, limit in ((SHADOWS, SHADOWS_LIMIT), ("", LIMIT)):
+        excess = sum(size for _, size, path in found if path.name.startswith(prefix)) - limit
+        for entry in [entry for entry in found if entry[2].name.startswith(prefix)]:
+            if excess <= 0:
+                break
+            excess -= entry[1]
+            found.remove(entry)
+            _remove(entry[2])
 
 
-def _pack(arrays: dict[str, np.ndarray]) -> bytes:
+def _pack(arrays: dict[str, np.ndarray]) -> list[bytes | memoryview]:
+    """What is written, one part after the other; the arrays, which may be large, are not copied."""
     arrays = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     index = [[name, array.dtype.str, array.shape] for name, array in arrays.items()]
     head = json.dumps(index).encode()
-    data = b"".join(array.tobytes() for array in arrays.values())
-    return _HEADER.pack(_MAGIC, len(head), len(data), zlib.crc32(data, zlib.crc32(head))) + head + data
+    data = [array.reshape(-1).view(np.uint8).data for array in arrays.values()]
+    checksum = zlib.crc32(head)
+    for part in data:
+        checksum = zlib.crc32(part, checksum)
+    return [_HEADER.pack(_MAGIC, len(head), sum(part.nbytes for part in data), checksum), head, *data]
 
 
 def _unpack(blob: bytes) -> dict[str, np.ndarray]:

@@ -28,7 +28,7 @@ def doctor(json_file: str | None) -> None:
 @click.command()
 @click.option("--clear", is_flag=True, help="Delete all entries of the cache.")
 def cache(clear: bool) -> None:
-    """Show the folder and size of the cache, which holds prepared environments.
+    """Show the folder and size of the cache, which holds prepared environments and their shadow maps.
 
     The environment variable PBR_VIEWER_CACHE names another folder, or is `off`.
     """

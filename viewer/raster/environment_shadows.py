@@ -11,17 +11,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
-import moderngl
 import numpy as np
 
+from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
+from ..gpu.short_depth import short_depth_texture
 from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
 from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .gbuffer import UNIT_NORMALS
+from .kept_maps import KeptMaps
 from .media_light import MediaLight
 from .shadows import ATLAS_SIDE, Atlas, Casters, directional_tiles
 from .sky_shadows import MeanSurface, mean_surface, reflected
@@ -29,7 +32,7 @@ from .sky_tints import TintAtlas
 
 BATCH = 64
 ROOM = 1 << 26
-"""Texels of depth for all lights together; they take 256 MB."""
+"""Texels of depth for all lights together; they take 128 MB."""
 MAX_TILE = 1024
 """For most models, 16 lights with tiles of 1024 x 1024 texels have a smaller error than 256 lights with 256 x 256."""
 SMALL = 400
@@ -46,8 +49,9 @@ class EnvironmentShadows:
     Where they fit, they lie in the memory of `before`, which is of no use afterwards.
     """
 
-    def __init__(self, gl: moderngl.Context, environment: EnvironmentLight, plan: Plan, casters: Casters,
+    def __init__(self, context: Context, environment: EnvironmentLight, plan: Plan, casters: Casters,
                  is_small: bool, before: EnvironmentShadows | None) -> None:
+        gl = context.gl
         self._gl, self._casters, self._estimates = gl, casters, plan.estimates_indirect
         self._environment, self._rotation = environment, environment.environment.rotation
         self._is_small, self._lights = is_small, environment.many_lights(plan.environment_shadows)
@@ -68,7 +72,8 @@ class EnvironmentShadows:
         if len(self._atlases) != len(counts) or not all(
                 atlas.lay_out(count, tile_size) for atlas, count in zip(self._atlases, counts, strict=True)):
             self.release()
-            self._atlases = [Atlas(gl, count, tile_size) for count in counts]
+            short = partial(short_depth_texture, context)  # these depths are linear: a step is far below a texel
+            self._atlases = [Atlas(gl, count, tile_size, short) for count in counts]
         self._tints = [TintAtlas(gl, atlas) for atlas in self._atlases if plan.tints_sky]
         self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
         self._surface = MeanSurface(np.zeros(3), np.zeros(3), 0.0)
@@ -78,15 +83,15 @@ class EnvironmentShadows:
         self._scale = 0.0
 
     def show(self, scene: Scene, plan: Plan, fog: MediaLight | None,
-             mean: Callable[[Draw, str], np.ndarray]) -> None:
-        """Draw the maps, unless they show this scene already. `fog` is the light in it, None without fog, and `mean`
-        gives that of a material's map."""
+             mean: Callable[[Draw, str], np.ndarray], kept: KeptMaps) -> None:
+        """Draw the maps, unless they show this scene already or are `kept` on disk. `fog` is the light in it, None
+        without fog, and `mean` gives that of a material's map."""
         is_shown = self._scene is not None and scene.has_surfaces_of(self._scene)
         scale = 1.0 if fog is not None else self._environment.scale
         if is_shown and fog is self._fog and scale == self._scale:
             return
         if not is_shown:
-            self._draw(scene, plan)
+            self._draw(scene, plan, kept)
             if self._estimates:
                 self._surface = mean_surface(scene, plan.draws, mean)
         lights = self._lights if fog is None else fog.arriving(self._environment.sky_lights(plan, self._count))
@@ -98,12 +103,12 @@ class EnvironmentShadows:
         self._emission = np.minimum(self._surface.emission / max(unit * scale, 1e-300), 1e9)
         self._scene, self._fog, self._scale = scene, fog, scale
 
-    def _draw(self, scene: Scene, plan: Plan) -> None:
+    def _draw(self, scene: Scene, plan: Plan, kept: KeptMaps) -> None:
         lights = self._lights
         self._batches = []
         for k, (part, atlas) in enumerate(zip(self._parts, self._atlases, strict=True)):
             tiles = directional_tiles(-lights.directions[part], scene, atlas.tile_size)
-            atlas.draw(scene, tiles, [d for d in plan.draws if d.hides_sky], self._casters)
+            kept.draw(atlas, scene, tiles, [d for d in plan.draws if d.hides_sky], self._casters)
             if self._tints:
                 self._tints[k].draw(scene, tiles, plan, self._casters)
             matrices = np.stack([_to_atlas(atlas, number) @ tile.matrix for number, tile in enumerate(tiles)])
@@ -158,7 +163,7 @@ def _to_atlas(atlas: Atlas, k: int) -> np.ndarray:
     """Clip space of tile k to texture coordinates and depth in the atlas."""
     matrix = np.diag([0.5, 0.5, 0.5, 1.0])
     matrix[:3, 3] = 0.5
-    width, height = atlas.texture.size
+    width, height = atlas.size
     scale = np.diag([atlas.tile_size / width, atlas.tile_size / height, 1.0, 1.0])
     scale[:2, 3] = np.divide(atlas.corner(k), (width, height))
     return scale @ matrix

@@ -92,7 +92,7 @@ class GroundPass:
 def _rows(scene: Scene, atlas: Atlas, lights: ManyLights, matrices: Sequence[np.ndarray]) -> np.ndarray:
     """The uniform block, (FAR_LIGHTS, 4, 4), black beyond the last light. `matrices` take points about the scene's
     centre, in its radius, to clip space."""
-    width, height = atlas.texture.size
+    width, height = atlas.size
     from_below = np.eye(4)
     from_below[1, 3] = (ground_height(scene) - scene.center[1]) / scene.radius
     rows = np.zeros((FAR_LIGHTS, 4, 4))

@@ -51,7 +51,7 @@ class Passes:
         self._shadows = KeptShadowMaps(gl, self._casters)
         self._uniforms = FrameUniforms(gl, prepared, self._shadows)
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}
-        self._visibility = VisibilityPass(gl, programs)
+        self._visibility = VisibilityPass(context, programs, prepared.use_cache)
         self.reflections = TracedReflections(context, programs)
         self._media = MediaPass(context, programs)
         self._subsurface = SubsurfacePass(context, programs, depth)

@@ -35,7 +35,7 @@ class Prepared:
 
     def __init__(self, context: Context, programs: Programs, watch: Stopwatch, use_cache: bool) -> None:
         self._context, self._gl, self._programs, self._watch = context, context.gl, programs, watch
-        self._use_cache = use_cache
+        self.use_cache = use_cache
         self.surfaces = Surfaces(context, programs)
         self.environment: EnvironmentLight | None = None
         self._from_volumes: tuple[object, tuple[Light, ...]] = (None, ())
@@ -77,7 +77,7 @@ class Prepared:
             free(self._gl, self.environment)
             self.environment = None  # should the next one fail
             self._plans = []  # what they need of the environment is baked when they are made
-            self.environment = EnvironmentLight(self._context, environment, settings, self._use_cache)
+            self.environment = EnvironmentLight(self._context, environment, settings, self.use_cache)
         if self.environment is not None:
             self.environment.environment = environment
 

@@ -59,12 +59,15 @@ class Tile:
 
 
 class Atlas:
-    """A square texture of equal depth tiles, as large as ATLAS_SIDE and `max_tile` (texels) allow."""
+    """A square texture of equal depth tiles, as large as ATLAS_SIDE and `max_tile` (texels) allow. `depth_texture`
+    makes it, by default with 24 bits."""
 
-    def __init__(self, gl: moderngl.Context, count: int, max_tile: int) -> None:
+    def __init__(self, gl: moderngl.Context, count: int, max_tile: int,
+                 depth_texture: Callable[[tuple[int, int]], moderngl.Texture] | None = None) -> None:
         self._gl = gl
         self.tile_size, self.tiles = _layout(count, max_tile)
-        self.texture = gl.depth_texture(tuple(number * self.tile_size for number in self.tiles))
+        self.size = _size(self.tile_size, self.tiles)
+        self.texture = (depth_texture or gl.depth_texture)(self.size)
         self.texture.compare_func = "<="
         self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self.texture.repeat_x = self.texture.repeat_y = False
@@ -73,7 +76,7 @@ class Atlas:
     def lay_out(self, count: int, max_tile: int) -> bool:
         """Have other tiles, if these take a texture of the same size. Returns whether they do."""
         tile_size, tiles = _layout(count, max_tile)
-        if self.texture.size != tuple(number * tile_size for number in tiles):
+        if self.size != _size(tile_size, tiles):
             return False
         self.tile_size, self.tiles = tile_size, tiles
         return True
@@ -133,6 +136,11 @@ def _layout(count: int, max_tile: int) -> tuple[int, tuple[int, int]]:
     """The side of a tile, and the columns and rows of an atlas."""
     columns = math.ceil(math.sqrt(count))
     return min(max_tile, ATLAS_SIDE // columns), (columns, math.ceil(count / columns))
+
+
+def _size(tile_size: int, tiles: tuple[int, int]) -> tuple[int, int]:
+    """Of the atlas, in texels."""
+    return tiles[0] * tile_size, tiles[1] * tile_size
 
 
 class ShadowMaps:

@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ..base.reusable import Reusable
+from ..gpu.context import Context
 from ..gpu.free import free
 from ..gpu.fullscreen import fullscreen
 from ..gpu.llvmpipe import let_others_run
@@ -18,6 +19,7 @@ from ..scene.frame import Frame
 from .environment import EnvironmentLight
 from .environment_shadows import SMALL, EnvironmentShadows
 from .gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
+from .kept_maps import KeptMaps
 from .media_light import MediaLight
 from .shadows import Casters
 from .units import UNIT_SEEN_POSITIONS, UNIT_VISIBILITY
@@ -30,10 +32,11 @@ lights. In a larger picture they are interpolated: they are softer than a pixel,
 class VisibilityPass:
     """Owns the targets of one picture size and the shadow maps of one scene's environment."""
 
-    def __init__(self, gl: moderngl.Context, programs: Programs) -> None:
-        self._gl, self._programs = gl, programs
+    def __init__(self, context: Context, programs: Programs, use_cache: bool) -> None:
+        self._context, self._gl, self._programs = context, context.gl, programs
         self._targets: Reusable[_Targets] = Reusable()
         self._shadows: EnvironmentShadows | None = None
+        self._kept = KeptMaps(context, use_cache)
 
     def prepare(self, pixels: Frame, plan: Plan, environment: EnvironmentLight, fog: MediaLight | None,
                 casters: Casters, mean: Callable[[Draw, str], np.ndarray]) -> None:
@@ -41,8 +44,9 @@ class VisibilityPass:
         that of a material's map."""
         is_small = pixels.pixels_across <= SMALL
         if self._shadows is None or not self._shadows.holds(environment, plan, is_small):
-            self._shadows = EnvironmentShadows(self._gl, environment, plan, casters, is_small, before=self._shadows)
-        self._shadows.show(pixels.scene, plan, fog, mean)
+            self._shadows = EnvironmentShadows(
+                self._context, environment, plan, casters, is_small, before=self._shadows)
+        self._shadows.show(pixels.scene, plan, fog, mean, self._kept)
 
     def forget_scene(self, plan: Plan) -> None:
         """Let the shadow maps be drawn again, for meshes or programs that have changed. Their memory is kept if the
