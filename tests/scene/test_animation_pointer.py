@@ -105,6 +105,18 @@ def test_a_mesh_has_tangents_for_what_is_turned_on_later(pointer, material):
     assert builder.load().meshes[0].tangents is None
 
 
+@pytest.mark.parametrize("pointer, value", [
+    ("intensity", -2), ("color", [1, -1, 1]), ("range", -1), ("spot/innerConeAngle", 9), ("spot/outerConeAngle", -1),
+    ("spot/outerConeAngle", 9)])
+def test_a_light_stays_one_that_may_be(pointer, value):
+    builder = pointing([(f"/extensions/{LIGHTS}/lights/0/{pointer}", [value, value])],
+                       extensions={LIGHTS: {"lights": [{"type": "spot"}]}})
+    builder.node(mesh=builder.triangle())
+    builder.node(extensions={LIGHTS: {"light": 0}})
+    light, = builder.load().at(0.5).lights
+    assert light.intensity >= 0 and min(light.color) >= 0 and 0 <= light.inner_cone <= light.outer_cone <= 1.5708
+
+
 def test_lights():
     lamp = {"type": "spot", "intensity": 4, "range": 7, "spot": {"outerConeAngle": 0.5}}
     base = f"/extensions/{LIGHTS}/lights/0"

@@ -44,7 +44,7 @@ def test_a_pose_of_few_digits_or_in_a_list_is_one():
     ("fov_y", "wide", "Camera.fov_y is of type str, not a number"),
     ("fov_y", None, "Camera.fov_y is of type NoneType"),
     ("height", [2], "Camera.height is of type list"),
-    ("near", -1.0, "Camera.near is -1, not a length"),
+    ("near", -1.0, "Camera.near is -1.0, not above 0"),
     ("pixel_aspect", "1", "Camera.pixel_aspect is of type str"),
     ("name", 3, "Camera.name is of type int, not text"),
 ])
@@ -56,8 +56,8 @@ def test_what_is_no_number_is_refused(key, value, words):
 @pytest.mark.parametrize(("make", "words"), [
     (lambda: Camera.orbit((0, 0, 0), "far"), "distance is of type str, not a number"),
     (lambda: Camera.orbit((0, 0, 0), 1, azimuth=None), "azimuth is of type NoneType, not a number"),
-    (lambda: Camera.framing((0, 0, 0), 1.0, 0.0), "radius 1, aspect 0, fov_y 0.785398: one of them is not above 0"),
-    (lambda: Camera.framing((0, 0, 0), 1.0, 1.0, fov_y=0.0), "fov_y 0: one of them is not above 0"),
+    (lambda: Camera.framing((0, 0, 0), 1.0, 0.0), "aspect is 0.0, not above 0"),
+    (lambda: Camera.framing((0, 0, 0), 1.0, 1.0, fov_y=0.0), "fov_y is 0, which is not between 0 and pi"),
     (lambda: Camera(np.eye(4)).orthographic("2"), "depth is of type str, not a number"),
 ])
 def test_what_makes_no_camera_is_one_line(make, words):

@@ -65,7 +65,7 @@ def test_an_orthographic_view_shows_as_much_at_its_depth():
     camera, point = Camera(np.eye(4), fov_y=0.7), np.array([[0.3, -0.2, -3.0]])
     flat = camera.orthographic(3.0)
     np.testing.assert_allclose(pixels(flat, point), pixels(camera, point), rtol=1e-14)
-    with pytest.raises(UsageError, match="depth=0: it must be a length"):
+    with pytest.raises(UsageError, match="depth is 0.0, not above 0"):
         camera.orthographic(0.0)
 
 

@@ -71,12 +71,10 @@ def test_vertices_that_no_triangle_has_change_nothing():
 def test_lines_points_and_nothing_are_left_out():
     line = Mesh("line", np.float32([[0, 0, 0], [1, 0, 0]]), 0, topology="lines")
     points = Mesh("points", np.float32([[0, 0, 0]]), 0, topology="points")
-    empty = Mesh("empty", np.zeros((0, 3), np.float32), 0, topology="triangles", indices=np.zeros(0, np.uint32))
     geometry = trace_geometry(scene(line, plate(), points))
     assert [i.source for i in geometry.instances] == [1] and geometry.left_out_instances == 2
     nothing = trace_geometry(Scene("none"))
     assert not nothing.instances and not nothing.meshes and nothing.triangle_count == 0
-    assert empty.triangle_count == 0
 
 
 def test_lines_and_points_that_are_not_shown_are_warned_of():

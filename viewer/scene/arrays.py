@@ -73,6 +73,12 @@ def scene_numbers(values: Any, name: str, count: int) -> tuple[float, ...]:
     return tuple(scene_array(values, name, np.float64, count).tolist())
 
 
+def check_flag(value: Any, name: str) -> None:
+    """Raises UsageError, which begins with `name`, for all but True and False; 0, 1 and numpy's are taken, too."""
+    if not isinstance(value, (int, np.bool_)) or value not in (0, 1):
+        raise UsageError(f"{name} is {value!r}, not True or False")
+
+
 def rows_of(array: np.ndarray | None, source: np.ndarray) -> np.ndarray | None:
     """Row source[k] of the array as row k; None of None."""
     return None if array is None else array[source]

@@ -9,7 +9,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.expect import expect
+from ..base.expect import expect, expect_number, expect_positive
 from ..errors import UsageError
 from .arrays import HoldsArrays, scene_array, scene_numbers
 
@@ -58,13 +58,11 @@ class Camera(HoldsArrays):
             if value is not None or key in ("fov_y", "pixel_aspect"):
                 expect(value, Real, f"Camera.{key}", "a number")
                 self._set(key, float(value))  # of numpy's float32, too, which JSON cannot store
-        if self.height is None and not 0 < self.fov_y < math.pi:
-            hint = "; it is in radians: math.radians(45), say" if self.fov_y >= math.pi else ""
-            raise UsageError(f"Camera.fov_y is {self.fov_y:g}, which is not between 0 and pi{hint}")
-        if self.height is not None and not 0 < self.height < math.inf:
-            raise UsageError(f"Camera.height is {self.height:g}, not a length")
-        if self.near is not None and not 0 < self.near < math.inf:
-            raise UsageError(f"Camera.near is {self.near:g}, not a length")
+        if self.height is None:
+            check_fov(self.fov_y, "Camera.fov_y")
+        for key in ("height", "near"):
+            if getattr(self, key) is not None:
+                expect_positive(getattr(self, key), f"Camera.{key}")
         self._set("principal", scene_numbers(self.principal, "Camera.principal", 2))
         if max(map(abs, self.principal)) > MAX_PRINCIPAL:
             raise UsageError(f"Camera.principal is {self.principal}: it is more than {MAX_PRINCIPAL:g} pictures away")
@@ -106,44 +104,37 @@ class Camera(HoldsArrays):
         of OpenCV and COLMAP look along +Z with +Y down: their second and third columns are to be negated.
         """
         fx, fy, cx, cy = scene_numbers((fx, fy, cx, cy), "fx, fy, cx, cy", 4)
-        width, height = scene_numbers(size, "size", 2)
+        width, height = _size(size)
         if min(fx, fy) <= 0:
             raise UsageError(f"fx={fx:g}, fy={fy:g}: a focal length is above 0")
-        if min(width, height) <= 0:
-            raise UsageError(f"size={size!r}: it must be (width, height) in pixels")
         return cls(np.asarray(pose), 2 * math.atan(height / (2 * fy)), name=name,
                    principal=(cx / width, cy / height), pixel_aspect=fy / fx)
 
     def intrinsics(self, size: tuple[int, int]) -> tuple[float, float, float, float]:
         """fx, fy, cx, cy in pixels of a picture of `size` (width, height), as `from_intrinsics` takes them. The focal
         lengths of an orthographic camera are pixels per world unit."""
-        width, height = size
+        width, height = _size(size)
         fy = height / (2 * math.tan(self.fov_y / 2)) if self.height is None else height / self.height
         return fy / self.pixel_aspect, fy, self.principal[0] * width, self.principal[1] * height
 
     def orthographic(self, depth: float) -> Camera:
         """This camera without perspective. At the distance `depth` from the eye it shows as much as before."""
-        expect(depth, Real, "depth", "a number")
-        if not 0 < depth < math.inf:
-            raise UsageError(f"depth={depth:g}: it must be a length in front of the eye")
+        expect_positive(depth, "depth")
         return replace(self, height=2 * depth * math.tan(self.fov_y / 2))
 
     @classmethod
     def look_at(cls, eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 1.0, 0.0), fov_y: float = DEFAULT_FOV,
                 name: str = "") -> Camera:
-        """A perspective camera at `eye` that looks at `target`. An `up` parallel to the view is replaced by an axis."""
+        """A perspective camera at `eye` that looks at `target`. An `up` parallel to the view is replaced by an axis.
+
+        Raises UsageError if `eye` is `target`.
+        """
         eye, target, up = (scene_array(v, name, np.float64, 3) for v, name in (
             (eye, "eye"), (target, "target"), (up, "up")))
-        back = eye - target
-        length = np.linalg.norm(back)
-        back = back / length if length > 0 else np.array([0.0, 0.0, 1.0])
-        right = np.cross(up, back)
-        if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(up)), 1e-300):
-            right = np.cross([0.0, 0.0, -1.0] if abs(back[1]) > 0.5 else [0.0, 1.0, 0.0], back)
-        right /= np.linalg.norm(right)
-        pose = np.eye(4)
-        pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, np.cross(back, right), back, eye
-        return cls(pose, fov_y, name=name)
+        if np.array_equal(eye, target):
+            raise UsageError(f"eye and target are both {', '.join(f'{x:g}' for x in eye)}: there is no direction to "
+                             "look in")
+        return cls(pose_of(eye, eye - target, up), fov_y, name=name)
 
     @classmethod
     def orbit(cls, center: ArrayLike, distance: float, azimuth: float = DEFAULT_AZIMUTH,
@@ -152,14 +143,14 @@ class Camera(HoldsArrays):
         are in radians."""
         center = scene_array(center, "center", np.float64, 3)
         for name, value in (("distance", distance), ("azimuth", azimuth), ("elevation", elevation)):
-            expect(value, Real, name, "a number")
-        if not (math.isfinite(azimuth) and math.isfinite(elevation) and math.isfinite(distance)):
-            raise UsageError(f"distance {distance:g}, azimuth {azimuth:g}, elevation {elevation:g}: not all are finite")
+            expect_number(value, name, is_finite=True)
         cos_el = math.cos(elevation)
         back = np.array([cos_el * math.sin(azimuth), math.sin(elevation), cos_el * math.cos(azimuth)])
         # The derivative of `back` with respect to elevation is a valid "up" even at the poles, where +Y is not.
         up = np.array([-math.sin(elevation) * math.sin(azimuth), cos_el, -math.sin(elevation) * math.cos(azimuth)])
-        return cls.look_at(center + distance * back, center, up, fov_y)
+        if distance == 0:
+            raise UsageError("distance is 0: the camera would be at the centre that it looks at")
+        return cls(pose_of(center + distance * back, distance * back, up), fov_y)
 
     @classmethod
     def framing(cls, center: ArrayLike, radius: float, aspect: float, azimuth: float = DEFAULT_AZIMUTH,
@@ -180,6 +171,9 @@ class Camera(HoldsArrays):
 
     def projection(self, aspect: float, near: float, far: float) -> np.ndarray:
         """Camera space to OpenGL clip space (z from -w at `near` to +w at `far`), (4, 4) float64."""
+        expect_positive(aspect, "aspect")
+        if not near < far:
+            raise UsageError(f"near={near:g}, far={far:g}: near must be below far")
         out = np.zeros((4, 4))
         half, middle = self.window(aspect)
         if self.height is None:
@@ -218,10 +212,38 @@ def _check_rigid(pose: np.ndarray) -> None:
         raise UsageError("Camera.pose mirrors (its determinant is negative): a camera is turned and moved")
 
 
+def pose_of(eye: np.ndarray, back: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """The pose of a camera at `eye` that looks along -`back`. Neither that nor `up` needs length 1."""
+    back, up = (np.ldexp(v, -np.frexp(np.abs(v).max())[1]) for v in (back, up))  # so that no square overflows
+    back = back / np.linalg.norm(back)
+    right = np.cross(up, back)
+    if np.linalg.norm(right) < 1e-9:
+        right = np.cross([0.0, 0.0, -1.0] if abs(back[1]) > 0.5 else [0.0, 1.0, 0.0], back)
+    pose = np.eye(4)
+    pose[:3, 0] = right / np.linalg.norm(right)
+    pose[:3, 1], pose[:3, 2], pose[:3, 3] = np.cross(back, pose[:3, 0]), back, eye
+    return pose
+
+
+def check_fov(fov_y: float, name: str) -> None:
+    """Raises UsageError if it is no field of view of a perspective camera, in radians."""
+    expect_number(fov_y, name)
+    if not 0 < fov_y < math.pi:
+        hint = "; it is in radians: math.radians(45), say" if fov_y >= math.pi else ""
+        raise UsageError(f"{name} is {fov_y:g}, which is not between 0 and pi{hint}")
+
+
+def _size(size: object) -> tuple[float, float]:
+    width, height = scene_numbers(size, "size", 2)
+    if min(width, height) <= 0:
+        raise UsageError(f"size={size!r}: it must be (width, height) in pixels")
+    return width, height
+
+
 def framing_distance(radius: float, aspect: float, fov_y: float) -> float:
     """The distance from the eye to the centre of a sphere that fills the narrower field of view."""
-    if not (0 < aspect < math.inf and 0 < radius < math.inf and 0 < fov_y < math.pi):
-        raise UsageError(f"radius {radius:g}, aspect {aspect:g}, fov_y {fov_y:g}: one of them is not above 0, or too "
-                         "large")
+    expect_positive(radius, "radius")
+    expect_positive(aspect, "aspect")
+    check_fov(fov_y, "fov_y")
     half = fov_y / 2 if aspect >= 1 else math.atan(math.tan(fov_y / 2) * aspect)
     return radius / math.sin(half)

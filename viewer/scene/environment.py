@@ -6,7 +6,6 @@ top row.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -49,11 +48,8 @@ class Environment(HoldsArrays):
                 raise UsageError(f"Environment.source {radiance.shape}: radiance {radiance.max():.3g} is over "
                                  f"{MAX_RADIANCE:g}")
             self._set("source", radiance)
-        expect_number(self.rotation, "Environment.rotation")
-        expect_number(self.intensity, "Environment.intensity")
-        if not (math.isfinite(self.rotation) and 0 <= self.intensity <= MAX_INTENSITY):
-            raise UsageError(f"Environment: rotation {self.rotation:g}, intensity {self.intensity:g} are not finite, "
-                             f"or intensity is not from 0 to {MAX_INTENSITY:g}")
+        expect_number(self.rotation, "Environment.rotation", is_finite=True)
+        expect_number(self.intensity, "Environment.intensity", 0.0, MAX_INTENSITY)
 
     def digest_parts(self) -> tuple[object, ...]:
         """The values that its light depends on, for `base.digest`. If `digest` is known, no file is decoded."""

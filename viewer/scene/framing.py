@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .camera import Camera
+from ..base.expect import expect_positive
+from .arrays import scene_array
+from .camera import Camera, check_fov
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -33,6 +35,10 @@ points at the viewer, and keeps the eye away from a single point."""
 def camera(scene: Scene, aspect: float, azimuth: float, elevation: float, fov_y: float, target: ArrayLike | None,
            orthographic: bool) -> Camera:
     """See `Scene.framing_camera`."""
+    expect_positive(aspect, "aspect")
+    check_fov(fov_y, "fov_y")
+    if target is not None:
+        target = scene_array(target, "target", np.float64, 3)
     rotation = Camera.orbit((0.0, 0.0, 0.0), 1.0, azimuth, elevation).pose[:3, :3]
     target, distance = fit(scene, rotation, aspect, fov_y, target=target, is_orthographic=orthographic)
     made = Camera.orbit(target, distance, azimuth, elevation, fov_y)
@@ -43,7 +49,7 @@ def camera(scene: Scene, aspect: float, azimuth: float, elevation: float, fov_y:
                    height=made.orthographic(distance).height)
 
 
-def fit(scene: Scene, rotation: np.ndarray, aspect: float, fov_y: float, *, target: ArrayLike | None = None,
+def fit(scene: Scene, rotation: np.ndarray, aspect: float, fov_y: float, *, target: np.ndarray | None = None,
         is_orthographic: bool = False) -> tuple[np.ndarray, float]:
     """Where a camera with the axes `rotation` (right, up and back as columns, (3, 3)) looks, and from how far.
 
@@ -59,7 +65,6 @@ def fit(scene: Scene, rotation: np.ndarray, aspect: float, fov_y: float, *, targ
         nearest = 1e-3 * scene.radius
     reach = [_reach(scene, rotation[:, k], back, slopes[k])[0] for k in range(2)]
     if target is not None:
-        target = np.asarray(target, np.float64)
         x = (target - scene.center) @ rotation
         distances = [max(a - x[k], b + x[k]) / tangents[k] - slopes[k] / tangents[k] * x[2]
                      for k, (a, b) in enumerate(reach)]

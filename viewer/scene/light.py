@@ -9,9 +9,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.expect import expect_number
+from ..base.expect import expect, expect_number, expect_positive
 from ..errors import UsageError
-from .arrays import scene_numbers
+from .arrays import check_flag, scene_numbers
 
 RGB = tuple[float, float, float]
 Kind = Literal["directional", "point", "spot"]
@@ -19,6 +19,9 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 """In the order in which the raster's programs have their lights."""
 BRIGHTEST = 1e30
 """The most of an intensity that renderers count, which leaves float32 room for highlights and for sums of lights."""
+RANGES = {"intensity": (0.0, math.inf), "inner_cone": (0.0, 1.5708), "outer_cone": (0.0, 1.5708),
+          "angular_radius": (0.0, math.inf), "radius": (0.0, math.inf)}
+"""The numbers that a light may have. Cones end at pi / 2, with as few digits as files write it."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,8 @@ class Light:
     spot lights. As in other glTF viewers, photometric units are used as radiometric ones: a white Lambertian surface
     that faces a directional light of pi lux has radiance 1. `direction` is the direction in which the light travels,
     of any length but 0.
-    `range` None means unlimited. Cone angles are measured from the axis, in radians. `angular_radius` is for a
+    `range` None means unlimited. Cone angles are measured from the axis, in radians, 0 <= inner <= outer <= pi / 2, and
+    count for spot lights only. `angular_radius` is for a
     directional light that represents a sun: the sun's angular radius in radians, which limits the brightness of
     highlights to that of the sun; 0 means no limit. `casts_shadow` is False for a light that represents a wide source.
     `radius` is for a point light that stands for what volumes emit within this distance of it, where the rasterizer
@@ -54,12 +58,16 @@ class Light:
             raise UsageError(f"Light.kind is {self.kind!r}, not one of {', '.join(KINDS)}")
         for name in ("color", "position", "direction"):
             object.__setattr__(self, name, scene_numbers(getattr(self, name), f"Light.{name}", 3))
-        for name in ("intensity", "inner_cone", "outer_cone", "angular_radius", "radius"):
-            expect_number(getattr(self, name), f"Light.{name}")
-            if math.isinf(getattr(self, name)):
-                raise UsageError(f"Light.{name} is {getattr(self, name)}, not a finite number")
+        if min(self.color) < 0:
+            raise UsageError(f"Light.color is {self.color}, not at least 0")
+        for name, (low, high) in RANGES.items():
+            expect_number(getattr(self, name), f"Light.{name}", low, high, is_finite=True)
+        if self.kind == "spot" and self.inner_cone > self.outer_cone:
+            raise UsageError(f"Light.inner_cone is {self.inner_cone}, wider than its outer_cone, {self.outer_cone}")
         if self.range is not None:
-            expect_number(self.range, "Light.range")
+            expect_positive(self.range, "Light.range", is_finite=False)
+        check_flag(self.casts_shadow, "Light.casts_shadow")
+        expect(self.name, str, "Light.name", "text")
         largest = max(map(abs, self.direction))
         if largest == 0:
             raise UsageError("Light.direction is 0, 0, 0, which points nowhere")
@@ -78,6 +86,8 @@ class Light:
     @classmethod
     def from_angles(cls, azimuth: float, elevation: float, lux: float) -> Light:
         """A directional light that shines *from* azimuth (0 = +Z, growing towards +X) and elevation, in radians."""
+        for name, value in (("azimuth", azimuth), ("elevation", elevation)):
+            expect_number(value, name, is_finite=True)
         cos_el = math.cos(elevation)
         origin = (cos_el * math.sin(azimuth), math.sin(elevation), cos_el * math.cos(azimuth))
         return cls("directional", intensity=lux, direction=(-origin[0], -origin[1], -origin[2]), name="--light")

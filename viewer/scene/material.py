@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base.expect import expect, expect_number
 from ..errors import UsageError
-from .arrays import scene_numbers
+from .arrays import check_flag
 from .light import BRIGHTEST
 from .medium import VACUUM, Medium, scaled, single_scattering_albedo
 from .parameter import Feature, parameter, texture_map
@@ -159,7 +159,7 @@ class Material:
         path_traced=False, role="argument", switch="OCCLUSION_MAP")
     emissive: RGB = parameter(
         (0.0, 0.0, 0.0), "emissiveFactor", "emitted radiance, multiplied by its strength", of=EMISSION, low=0.0,
-        high=1.0, times="emissive.RGB", unit="cd/m^2", unlit=True)
+        high=1.0, held=BRIGHTEST, times="emissive.RGB", unit="cd/m^2", unlit=True)
     emissive_texture: Texture | None = texture_map(
         "emissiveTexture", "emitted radiance", of=EMISSION, channels="RGB", srgb=True, models=_ALL,
         has_effect=lambda m: any(m.emissive))
@@ -310,18 +310,20 @@ class Material:
     def __post_init__(self) -> None:
         for field in fields(self):
             value, name = getattr(self, field.name), f"Material.{field.name}"
+            if value is field.default:
+                continue
             if "map" in field.metadata:
-                expect(value, (Texture, NoneType), name, "a Texture or None")
-            elif "parameter" in field.metadata and isinstance(field.default, tuple):
-                object.__setattr__(self, field.name, scene_numbers(value, name, len(field.default)))
+                expect(value, Texture, name, "a Texture or None")
             elif "parameter" in field.metadata:
-                expect_number(value, name)
-        if not all(0 <= channel <= 1 for channel in self.base_color):
-            raise UsageError(f"Material.base_color is {self.base_color}, not from 0 to 1")
+                object.__setattr__(self, field.name, field.metadata["parameter"].checked(value, name, field.default))
+        expect(self.name, str, "Material.name", "text")
         if self.alpha_mode not in get_args(AlphaMode):
             raise UsageError(f"Material.alpha_mode is {self.alpha_mode!r}, not one of {', '.join(get_args(AlphaMode))}")
-        if not all(0 <= channel <= BRIGHTEST for channel in self.emissive):
-            raise UsageError(f"Material.emissive is {self.emissive}, not from 0 to {BRIGHTEST:g}")
+        for key in ("double_sided", "unlit"):
+            check_flag(getattr(self, key), f"Material.{key}")
+        if self.shininess is not None:
+            expect_number(self.shininess, "Material.shininess", 0.0, is_finite=True)
+        expect(self.weave, (Weave, NoneType), "Material.weave", "a Weave or None")
 
     @property
     def is_dielectric(self) -> bool:

@@ -9,10 +9,13 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from ..base.expect import expect, expect_index
 from ..errors import UsageError
 from .arrays import HoldsArrays, scene_array
 
 Topology = Literal["triangles", "lines", "points"]
+ELEMENT_SIZES: dict[Topology, int] = {"triangles": 3, "lines": 2, "points": 1}
+"""How many corners one of them has."""
 _DIRECTIONS = 64
 _CHUNK = 1 << 14
 """Vertices per piece."""
@@ -44,6 +47,8 @@ class Mesh(HoldsArrays):
     def __post_init__(self) -> None:
         if self.topology not in get_args(Topology):
             raise UsageError(f"Mesh.topology is {self.topology!r}, not one of {', '.join(get_args(Topology))}")
+        expect(self.name, str, "Mesh.name", "text")
+        expect_index(self.material, "Mesh.material", "a material")
         positions = scene_array(self.positions, "Mesh.positions", np.float32, None, 3)
         count = len(positions)
         self._set("positions", positions)
@@ -51,7 +56,8 @@ class Mesh(HoldsArrays):
             if getattr(self, name) is not None:
                 self._set(name, scene_array(getattr(self, name), f"Mesh.{name}", np.float32, count, columns))
         if self.colors is not None:
-            self._set("colors", scene_array(_as_rgba(self.colors), "Mesh.colors", np.float32, count, 4))
+            self._set("colors", _checked(scene_array(_as_rgba(self.colors), "Mesh.colors", np.float32, count, 4)))
+        expect(self.uvs, (tuple, list), "Mesh.uvs", "a tuple of arrays")
         if len(self.uvs) > 2:
             raise UsageError(f"Mesh.uvs is a tuple of at most two arrays, not of {len(self.uvs)}")
         self._set("uvs", tuple(scene_array(uv, f"Mesh.uvs[{k}]", np.float32, count, 2)
@@ -61,6 +67,9 @@ class Mesh(HoldsArrays):
             if indices.size and indices.max() >= count:
                 raise UsageError(f"Mesh.indices: index {indices.max()}, but there are {count} positions")
             self._set("indices", indices)
+        if self.element_count < ELEMENT_SIZES[self.topology]:
+            of = "positions" if self.indices is None else "indices"
+            raise UsageError(f"Mesh.{of} has {len(getattr(self, of))}: a mesh without {self.topology} cannot be drawn")
 
     def __repr__(self) -> str:
         """In one line: the arrays would fill pages."""
@@ -142,6 +151,13 @@ def _as_rgba(colors: np.ndarray) -> np.ndarray:
         colors = colors / np.float32(np.iinfo(colors.dtype).max)
     if colors.ndim == 2 and colors.shape[1] == 3:
         colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)
+    return colors
+
+
+def _checked(colors: np.ndarray) -> np.ndarray:
+    if colors.size and not (colors.min() >= 0 and colors.max() <= 1):
+        raise UsageError(f"Mesh.colors are from {colors.min():g} to {colors.max():g}, not from 0 to 1; make those "
+                         "up to 255 uint8")
     return colors
 
 

@@ -11,6 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from ..base.expect import expect_number, range_words
+from ..errors import UsageError
+from .arrays import scene_numbers
+
 RGBA = tuple[float, float, float, float]
 WHITE: RGBA = (1.0, 1.0, 1.0, 1.0)
 Role = Literal["input", "argument", "python"]
@@ -47,11 +51,12 @@ class Feature:
 class ParameterInfo:
     """The declaration of a parameter.
 
-    `key` is its name in glTF; "a.b" means b in the object a. A number outside `low`..`high` is clamped, except
-    `special`. `times` names the map and its channels ("metallic_roughness.G") that multiply the parameter.
-    `path_traced` tells whether the path tracer reads it, too. `role` is "input" if it is a member of the shaders'
-    `MaterialInputs`, "argument" if hand-written GLSL uses its uniform by name, and "python" if no shader reads it.
-    `switch` is the preprocessor condition under which the raster's shaders declare it, by default the switch of its
+    `key` is its name in glTF; "a.b" means b in the object a. A number outside `low`..`high`, except `special`, is
+    clamped in a file and refused from Python. A material may hold up to `held`, which is above `high` for what the
+    reader multiplies by another number. `times` names the map and its channels ("metallic_roughness.G") that multiply
+    the parameter. `path_traced` tells whether the path tracer reads it, too. `role` is "input" if it is a member of the
+    shaders' `MaterialInputs`, "argument" if hand-written GLSL uses its uniform by name, and "python" if no shader reads
+    it. `switch` is the preprocessor condition under which the raster's shaders declare it, by default the switch of its
     feature. `unlit` tells whether unlit surfaces use it.
     """
 
@@ -60,6 +65,7 @@ class ParameterInfo:
     low: float
     high: float
     special: float | None
+    held: float
     times: str
     unit: str
     meaning: str
@@ -67,6 +73,18 @@ class ParameterInfo:
     role: Role
     switch: str
     unlit: bool
+
+    def checked(self, value: Any, name: str, default: Any) -> Any:
+        """`value` as a material holds it, a number or a tuple like `default`. Raises UsageError, which begins with
+        `name`, for what is none or out of range."""
+        if not isinstance(default, tuple):
+            if not (type(value) is float and self.low <= value <= self.held and abs(value) < math.inf):  # most are
+                expect_number(value, name, self.low, self.held, special=self.special, is_finite=default != math.inf)
+            return value
+        numbers = scene_numbers(value, name, len(default))
+        if not all(self.low <= number <= self.held for number in numbers):
+            raise UsageError(f"{name} is {numbers}, not {range_words(self.low, self.held)}")
+        return numbers
 
 
 @dataclass(frozen=True)
@@ -103,11 +121,11 @@ class MapInfo:
 
 
 def parameter(default: Any, key: str, meaning: str, *, of: Feature, low: float = -math.inf, high: float = math.inf,
-              special: float | None = None, times: str = "", unit: str = "", path_traced: bool = True,
-              role: Role = "input", switch: str = "", unlit: bool = False) -> Any:
+              special: float | None = None, held: float | None = None, times: str = "", unit: str = "",
+              path_traced: bool = True, role: Role = "input", switch: str = "", unlit: bool = False) -> Any:
     """A dataclass field that holds a parameter of the feature `of`; see ParameterInfo."""
-    info = ParameterInfo(of, key, low, high, special, times, unit, meaning, path_traced, role, switch or of.switch,
-                         unlit)
+    info = ParameterInfo(of, key, low, high, special, high if held is None else held, times, unit, meaning, path_traced,
+                         role, switch or of.switch, unlit)
     return field(default=default, metadata={"parameter": info})
 
 

@@ -12,7 +12,7 @@ from ..errors import InputError, UsageError
 from .animation import Animation, Target
 from .camera import Camera
 from .curves import Curves
-from .light import Light
+from .light import RANGES, Light
 from .mesh import Mesh
 from .posed_materials import plain, posed_materials
 from .rig import Deformed, Nodes, Rig, camera_pose, compose, light_direction
@@ -152,18 +152,22 @@ def _lights(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.n
         x, y, z = world[node, :3, 3].tolist()
         changes = _changes("light", item, values)
         changes |= {"intensity": 0.0} if hidden[node] else {}
+        if "intensity" in changes:
+            changes["intensity"] = max(changes["intensity"], 0.0)
+        if "color" in changes:
+            changes["color"] = tuple(max(channel, 0.0) for channel in changes["color"])
         if "range" in changes:
             changes["range"] = changes["range"] if changes["range"] > 0 else None
-        lights[k] = replace(lights[k], position=(x, y, z), direction=light_direction(world[node]), **changes)
         if "inner_cone" in changes or "outer_cone" in changes:
-            lights[k] = _with_cone(lights[k])
+            changes |= _cone({"inner_cone": lights[k].inner_cone, "outer_cone": lights[k].outer_cone} | changes)
+        lights[k] = replace(lights[k], position=(x, y, z), direction=light_direction(world[node]), **changes)
     return scene.lights if tuple(lights) == scene.lights else tuple(lights)
 
 
-def _with_cone(light: Light) -> Light:
-    """The light with a cone as KHR_lights_punctual allows it: 0 <= inner < outer <= pi / 2."""
-    outer = min(max(light.outer_cone, 1e-4), math.pi / 2)
-    return replace(light, outer_cone=outer, inner_cone=min(max(light.inner_cone, 0.0), outer * (1 - 1e-4)))
+def _cone(values: dict[str, Any]) -> dict[str, float]:
+    """The cone of `values` as KHR_lights_punctual allows it: 0 <= inner < outer <= pi / 2."""
+    outer = min(max(values["outer_cone"], 1e-4), RANGES["outer_cone"][1])
+    return {"outer_cone": outer, "inner_cone": min(max(values["inner_cone"], 0.0), outer * (1 - 1e-4))}
 
 
 def _cameras(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.ndarray]) -> tuple[Camera, ...]:

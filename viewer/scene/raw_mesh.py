@@ -12,7 +12,7 @@ from .arrays import rows_of
 from .color import srgb_to_linear
 from .frames import with_creased_normals, with_flat_normals, with_grouped_normals, with_tangents
 from .material import AlphaMode, Material, Texture
-from .mesh import Mesh, Topology, drawn_positions
+from .mesh import ELEMENT_SIZES, Mesh, Topology, drawn_positions
 from .mtl import PLAIN
 from .polygons import triangulate
 from .schema import needs_tangents, tangent_texture
@@ -77,7 +77,7 @@ def cut_polygons(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray,
 
 def finite_part(mesh: RawMesh, warnings: list[str]) -> RawMesh | None:
     """The mesh without what has a vertex that is not finite, with a warning; None where nothing is left."""
-    corners = {"triangles": 3, "lines": 2, "points": 1}[mesh.topology]
+    corners = ELEMENT_SIZES[mesh.topology]
     finite = np.isfinite(mesh.positions).all(axis=1)
     if not finite.all():
         indices = np.arange(len(finite)) if mesh.indices is None else mesh.indices

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .animation import Target
-from .camera import Camera
+from .camera import pose_of
 from .deform import Deformation
 from .mesh import Mesh
 
@@ -154,8 +154,8 @@ def camera_pose(world: np.ndarray) -> np.ndarray:
 
     The node's -Z is the view direction, and its +Y defines "up".
     """
-    eye, back, up = world[:3, 3], _unit(world[:3, 2]), _unit(world[:3, 1])
-    return Camera.look_at(eye, eye - back, up).pose
+    back = _unit(world[:3, 2])
+    return pose_of(world[:3, 3], back if back.any() else np.array([0.0, 0.0, 1.0]), world[:3, 1])
 
 
 def light_direction(world: np.ndarray) -> tuple[float, float, float]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.expect import existing, expect, expect_number
+from ..base.expect import existing, expect, expect_index, expect_number
 from ..errors import UsageError
 from . import extent, framing, override
 from .animation import Animation
@@ -42,7 +42,11 @@ class Instance(HoldsArrays):
     name: str = ""
 
     def __post_init__(self) -> None:
+        expect_index(self.mesh, "Instance.mesh", "a mesh")
+        expect(self.name, str, "Instance.name", "text")
         self._set("transform", scene_array(self.transform, "Instance.transform", np.float64, 4, 4))
+        if self.transform[3].tolist() != [0, 0, 0, 1]:
+            raise UsageError(f"Instance.transform[3] is {self.transform[3].tolist()}, not 0, 0, 0, 1")
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +87,12 @@ class Scene:
     curves: tuple[Curves, ...] = ()
 
     def __post_init__(self) -> None:
+        expect(self.name, str, "Scene.name", "text")
         for name, kind, wanted in (
                 ("meshes", Mesh, "a Mesh"), ("materials", Material, "a Material"),
                 ("instances", Instance, "an Instance"), ("lights", Light, "a Light"),
                 ("cameras", Camera, "a Camera"), ("curves", Curves, "Curves"),
+                ("animations", Animation, "an Animation"), ("variants", Variant, "a Variant"),
                 ("volumes", Volume, "a Volume (Volume.in_box makes one of an array)")):
             values = getattr(self, name)
             expect(values, (tuple, list), f"Scene.{name}", f"a tuple of {name}")
@@ -196,9 +202,6 @@ class Scene:
         `target`, (3,) in world space, is in the middle of the picture. The distance depends on the direction; for one
         that does not, take `Camera.framing(scene.center, scene.radius, ...)`.
         """
-        expect_number(aspect, "aspect")
-        if not 0 < aspect < math.inf:
-            raise UsageError(f"aspect={aspect}: it must be above 0")
         return framing.camera(self, aspect, azimuth, elevation, fov_y, target, orthographic)
 
     def relit(self, **changes: Any) -> Scene:
@@ -222,6 +225,7 @@ class Scene:
     def with_curve_radius(self, radius: float) -> Scene:
         """The scene with curves of this radius, in its unit of length; as it is if that is 0 or there are no curves.
         Two calls with one radius return the same object, and the curves are the same in all poses and lights."""
+        expect_number(radius, "radius", 0.0, is_finite=True)
         if radius == 0 or not self.curves:
             return self
         known: dict[float, Scene] = self.__dict__.setdefault("_thick", {})

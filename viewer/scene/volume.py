@@ -60,9 +60,10 @@ class Volume(HoldsArrays):
         low, high = scene_array(box, "box", np.float64, 2, 3)
         if not (low < high).all():
             raise UsageError(f"box: {low.tolist()} to {high.tolist()} has no volume")
-        shape = np.array(np.shape(density)[::-1])
-        if len(shape) != 3 or not shape.all():
-            raise UsageError(f"density has the shape {np.shape(density)}, not (nz, ny, nx) of at least one voxel")
+        density = scene_array(density, "density", _float_type(density), None, None, None)
+        shape = np.array(density.shape[::-1])
+        if not shape.all():
+            raise UsageError(f"density is {density.shape}: it has no voxels")
         matrix = np.diag([*(high - low) / shape, 1.0])
         matrix[:3, 3] = low + matrix.diagonal()[:3] / 2
         return cls(name, density, matrix)

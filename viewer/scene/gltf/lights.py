@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..light import KINDS, Light
+from ..light import KINDS, RANGES, Light
 from ..rig import light_direction
 from .element import Element
 
@@ -33,16 +33,17 @@ class Lights:
             element.warn(f"{kind[:20]!r} is unknown; the light is left out", "type")
             return None
         range_ = element.number("range", None, 0.0)
-        return Light(kind, element.vector("color", 3, (1.0, 1.0, 1.0), 0.0), element.number("intensity", 1.0, 0.0),
-                     tuple(world[:3, 3].tolist()), light_direction(world), range_ or None,
-                     *_cone(element), name=element.string("name", node.string("name", "")))
+        return Light(kind, element.vector("color", 3, (1.0, 1.0, 1.0), 0.0),
+                     element.number("intensity", 1.0, *RANGES["intensity"]), tuple(world[:3, 3].tolist()),
+                     light_direction(world), range_ or None, *_cone(element),
+                     name=element.string("name", node.string("name", "")))
 
 
 def _cone(element: Element) -> tuple[float, float]:
     """The inner and outer cone angle in radians; the extension requires 0 <= inner < outer <= pi / 2."""
     spot = element.object("spot")
-    outer = spot.number("outerConeAngle", math.pi / 4, 1e-4, math.pi / 2)
-    inner = spot.number("innerConeAngle", 0.0, 0.0, math.pi / 2)
+    outer = spot.number("outerConeAngle", math.pi / 4, 1e-4, RANGES["outer_cone"][1])
+    inner = spot.number("innerConeAngle", 0.0, *RANGES["inner_cone"])
     if inner >= outer:
         spot.warn(f"{inner:g} is not below the outer angle {outer:g}; the cone gets a sharp edge", "innerConeAngle")
         inner = outer * (1 - 1e-4)

@@ -10,13 +10,13 @@ import numpy as np
 from ..deform import Deformation, MorphTarget, influences
 from ..frames import split_for_tangents, with_flat_normals, with_repaired_normals
 from ..material import Material
-from ..mesh import Mesh, Topology
+from ..mesh import ELEMENT_SIZES, Mesh, Topology
 from ..schema import MAPS, needs_tangents, tangent_texture
 from . import draco
 from .accessors import Accessors
 from .element import Element
 from .textures import MAX_UV_SETS
-from .topology import ELEMENT_SIZES, MODES
+from .topology import MODES
 from .vertices import Vertices
 
 _ATTRIBUTES = {"POSITION": ("VEC3",), "NORMAL": ("VEC3",), "TANGENT": ("VEC4",), "COLOR_0": ("VEC3", "VEC4"),
@@ -45,12 +45,12 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     deformation = _deformation(primitive, vertices, values, weights, joints)
     topology = MODES[mode][1]
     positions, indices = finite_part(attributes, values["POSITION"], vertices.indices, topology)
+    if not len(positions if indices is None else indices):
+        primitive.warn("there are too few vertices; nothing is drawn")
+        return None
     mesh = Mesh(name, positions, material, topology, indices,
                 _unit(values.get("NORMAL")), _unit_tangents(values.get("TANGENT")), _uvs(values, vertices.count),
                 vertex_colors(attributes, values["COLOR_0"]) if "COLOR_0" in values else None)
-    if not mesh.element_count:
-        primitive.warn("there are too few vertices; nothing is drawn")
-        return None
     mesh = _with_uv_sets(mesh, looks, primitive)
     if mesh.topology == "triangles":
         mesh, deformation = _complete(mesh, looks, primitive, deformation)

@@ -11,9 +11,6 @@ MODES: dict[int, tuple[str, Topology, int]] = {
     4: ("triangles", "triangles", 3), 5: ("triangle strip", "triangles", 3), 6: ("triangle fan", "triangles", 3)}
 """For each `mode` of a primitive: its name, the topology it becomes, and the least vertices for one element."""
 
-ELEMENT_SIZES: dict[Topology, int] = {"points": 1, "lines": 2, "triangles": 3}
-"""The vertices of one element."""
-
 RESTART = "EXT_mesh_primitive_restart"
 RESTARTABLE = (2, 3, 5, 6)
 """The modes whose indices a restart value may split, each part a loop, strip or fan of its own (RESTART)."""
