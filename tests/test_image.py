@@ -14,7 +14,7 @@ import pytest
 from PIL import Image as Pillow
 
 from viewer.base.atomic import atomic_write, write_json
-from viewer.errors import InputError, OutputError
+from viewer.errors import InputError, OutputError, UsageError
 from viewer.image.image import Image
 
 
@@ -97,7 +97,7 @@ def test_a_png_says_what_was_done_to_it(image, tmp_path):
 
 def test_a_layer_of_another_size_is_refused(image):
     for layer in (np.zeros((2, 2), np.float32), np.zeros((13, 17), int), np.zeros((13, 17, 4), np.float32)):
-        with pytest.raises(ValueError, match="layer depth"):
+        with pytest.raises(UsageError, match=r"Image\.layers\['depth'\] is \("):
             replace(image, layers={"depth": layer})
 
 
@@ -165,8 +165,28 @@ def test_over_a_background_is_exact():
     (np.zeros((2, 3, 4), np.float32), np.zeros((2, 2, 4), np.uint8)),
 ])
 def test_a_wrong_shape_or_type_is_refused(linear, srgb):
-    with pytest.raises(ValueError):
+    with pytest.raises(UsageError, match=r"Image\.linear is \("):
         Image(linear, srgb)
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: Image.from_srgb(np.ones((2, 2, 3))), r"pixels are \(2, 2, 3\) float64, not \(H, W, 3 or 4\) uint8"),
+    (lambda: Image.from_srgb(np.full((2, 2, 3), 300)), r"pixels are from 300 to 300, not from 0 to 255"),
+    (lambda: Image.from_srgb(None), r"pixels are \(\) object"),
+    (lambda: Image.from_linear("red"), r"pixels are \(\) <U3, not \(H, W, 3 or 4\) float32"),
+    (lambda: Image.from_linear([[[1, 2, 3], [1, 2]]]), r"pixels are \(\) object"),
+    (lambda: Image.from_linear(np.zeros((0, 2, 3))), r"pixels are \(0, 2, 3\) float64"),
+    (lambda: Image(3, 4), r"Image\.linear is of type int, not an array"),
+    (lambda: Image(np.zeros((2, 2, 4), np.float32), np.zeros((2, 2, 4), np.uint8), layers={"depth": 3}),
+     r"Image\.layers\['depth'\] is of type int, not an array"),
+])
+def test_what_is_no_picture_is_one_line(make, words):
+    with pytest.raises(UsageError, match=words):
+        make()
+
+
+def test_displayed_values_may_be_of_any_whole_numbers():
+    assert np.array_equal(Image.from_srgb([[[0, 128, 255]]]).srgb, np.uint8([[[0, 128, 255, 255]]]))
 
 
 @pytest.mark.parametrize("failure", [KeyboardInterrupt, MemoryError, OSError("disk full")])

@@ -10,12 +10,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from operator import index
 from os import PathLike, fspath
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from .base.expect import expect, expect_path
+from .base.expect import expect, expect_path, expect_size
 from .errors import UsageError
 from .quality import Quality, check_quality
 from .ranges import Range
@@ -142,7 +141,7 @@ def render(
 def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backend: str, aov: Sequence[str],
               tell_error: float | None, quality: str | None, settings: dict[str, Any],
               following: Callable[[Scene, Camera], Following]) -> Image:
-    chosen, size = Settings.of(**settings), _checked(size)
+    chosen, size = Settings.of(**settings), expect_size(size, "size")
     point = Quality.of(quality, settings, chosen, scene, size)
     chosen.check_ground()
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
@@ -223,7 +222,7 @@ def show(
     from .interact.window_settings import window_settings
 
     chosen = window_settings(Settings.of(**{"denoise": "fast", **settings}), settings.__contains__)
-    size = _checked(size)
+    size = expect_size(size, "size")
     point = Quality.of(quality, settings, replace(chosen, mode="pbr"), scene, size)  # for the keys of the mode
     from .web.cell import in_notebook, view_in_cell
 
@@ -247,16 +246,6 @@ def _at(scene: Scene, time: float | None, animation: str | int | None) -> Scene:
 def _expect_scene(scene: object, camera: object) -> None:
     expect(scene, Scene, "scene", "a Scene (viewer.load makes one)")
     expect(camera, (Camera, type(None)), "camera", "a Camera")
-
-
-def _checked(size: object) -> tuple[int, int]:
-    try:
-        width, height = map(index, size)  # type: ignore[call-overload]
-    except (TypeError, ValueError):
-        width = height = 0
-    if width < 1 or height < 1:
-        raise UsageError(f"size={size!r}: it must be (width, height), two positive whole numbers of pixels")
-    return width, height
 
 
 def _checked_layers(names: Sequence[str]) -> Sequence[str]:

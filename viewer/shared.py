@@ -6,6 +6,8 @@ import sys
 import threading
 from typing import TYPE_CHECKING
 
+from .base.expect import expect
+
 if TYPE_CHECKING:
     from .budget.chooser import Chooser
     from .raster.renderer import Renderer
@@ -29,6 +31,7 @@ def shared_renderer(backend: str = "auto") -> Renderer:
     from .gpu.context import open_context
     from .raster.renderer import Renderer
 
+    expect(backend, str, "backend", "auto, egl, osmesa or window")
     renderers: _Renderers = _local.__dict__.setdefault("renderers", _Renderers())
     if backend not in renderers:
         renderers[backend] = Renderer(open_context(backend))

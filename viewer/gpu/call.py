@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary
 import moderngl
 import numpy as np
 
-from ..base.expect import expect, expect_path
+from ..base.expect import expect, expect_number, expect_path
 from ..base.resources import resource_folder
 from ..errors import UsageError
 from .context import Context, current_context, open_context
@@ -63,6 +63,11 @@ def call_glsl(
     expect_path(file, "file")
     expect(function, str, "function", "the name of one")
     expect(defines, (Mapping, type(None)), "defines", "a dict")
+    for name, value in (defines or {}).items():
+        expect(name, str, f"defines: {name!r}", "the name of a switch")
+        if not isinstance(value, bool):
+            expect_number(value, f"defines[{name!r}]")
+    expect(context, (Context, type(None)), "context", "a Context")
     packaged = (resource_folder("shaders") / file).is_file()
     source = _without_main(assemble(file if packaged else Path(file).absolute(), defines))
     chosen = _choose(find_functions(source.text), function, arrays, display_name(source.files[0]))

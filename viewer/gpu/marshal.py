@@ -39,8 +39,8 @@ def to_words(type_: Type, value: Any, place: str) -> list[np.ndarray]:
 def _array(value: Any, place: str) -> np.ndarray:
     try:
         return np.asarray(value)
-    except ValueError as error:  # lists of different lengths
-        raise UsageError(f"{place}: {error}") from None
+    except ValueError:
+        raise UsageError(f"{place}: its lists have different lengths") from None
 
 
 def _leaf_words(leaf: Basic, value: Any, place: str) -> np.ndarray:

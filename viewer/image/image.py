@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base.atomic import atomic_write
-from ..base.expect import expect_path
+from ..base.expect import expect, expect_path
 from ..base.quiet import without_warnings
 from ..base.utf8_name import utf8_name
-from ..errors import InputError, OutputError
+from ..errors import InputError, OutputError, UsageError
 from ..scene.color import linear_to_srgb, srgb_to_linear
 from .exr import write_exr
 
@@ -57,22 +58,28 @@ class Image:
     def __post_init__(self) -> None:
         for name, dtype in (("linear", np.float32), ("srgb", np.uint8)):
             array = getattr(self, name)
+            expect(array, np.ndarray, f"Image.{name}", "an array (Image.from_linear and from_srgb make one of others)")
             if array.dtype != dtype or array.ndim != 3 or array.shape[2] != 4:
-                raise ValueError(f"{name} is {array.dtype} {array.shape}, not {np.dtype(dtype)} (H, W, 4)")
+                raise UsageError(f"Image.{name} is {array.shape} {array.dtype}, not (H, W, 4) {np.dtype(dtype)}")
         if self.linear.shape != self.srgb.shape:
-            raise ValueError(f"linear is {self.linear.shape} and srgb {self.srgb.shape}")
+            raise UsageError(f"Image.linear is {self.linear.shape} and srgb {self.srgb.shape}")
+        expect(self.layers, dict, "Image.layers", "a dict of arrays")
         for name, layer in self.layers.items():
+            expect(layer, np.ndarray, f"Image.layers[{name!r}]", "an array")
             pixels = self.srgb.shape[:2]
             if layer.dtype not in _OF_LAYERS or layer.shape not in (pixels, (*pixels, 2), (*pixels, 3)):
-                raise ValueError(f"layer {name} is {layer.dtype} {layer.shape}, not float32, float64 or uint32 and not "
-                                 "(H, W) or (H, W, 2 or 3)")
+                raise UsageError(f"Image.layers[{name!r}] is {layer.shape} {layer.dtype}, not (H, W) or "
+                                 "(H, W, 2 or 3), float32, float64 or uint32")
 
     @classmethod
-    def from_srgb(cls, pixels: np.ndarray) -> Image:
-        """From displayed values, (H, W, 3 or 4) uint8 with straight alpha; `linear` is their exact sRGB decoding."""
+    def from_srgb(cls, pixels: ArrayLike) -> Image:
+        """From displayed values, (H, W, 3 or 4) uint8 with straight alpha; `linear` is their exact sRGB decoding.
+
+        Raises UsageError for what is not whole numbers from 0 to 255, as does `from_linear` for what is not numbers.
+        """
         # `linear` is computed on first access (__getattr__): it takes as long as a PNG, and few callers need it.
         image = cls.__new__(cls)
-        vars(image).update(srgb=_with_alpha(np.asarray(pixels, np.uint8), 255), stats={}, layers={}, attributes={})
+        vars(image).update(srgb=_with_alpha(pixels, np.uint8, 255), stats={}, layers={}, attributes={})
         return image
 
     def __getattr__(self, name: str) -> np.ndarray:
@@ -86,10 +93,10 @@ class Image:
         return linear
 
     @classmethod
-    def from_linear(cls, pixels: np.ndarray) -> Image:
+    def from_linear(cls, pixels: ArrayLike) -> Image:
         """From radiance, (H, W, 3 or 4) with associated alpha. `srgb` is the radiance clamped to [0, 1], without a
         tone map."""
-        linear = _with_alpha(np.asarray(pixels, np.float32), 1)
+        linear = _with_alpha(pixels, np.float32, 1)
         finite = np.nan_to_num(linear, nan=0.0)
         alpha = np.clip(finite[..., 3:], 0, 1)
         straight = np.clip(finite[..., :3] / np.where(alpha > 0, alpha, 1), 0, 1)
@@ -176,10 +183,18 @@ class Image:
         return f"Image({self.size[0]}x{self.size[1]})"
 
 
-def _with_alpha(pixels: np.ndarray, opaque: float) -> np.ndarray:
-    """(H, W, 3 or 4) to contiguous (H, W, 4); pixels without alpha become opaque."""
-    if pixels.ndim != 3 or pixels.shape[2] not in (3, 4):
-        raise ValueError(f"pixels are {pixels.shape}, not (H, W, 3 or 4)")
+def _with_alpha(values: ArrayLike, dtype: type, opaque: float) -> np.ndarray:
+    """(H, W, 3 or 4) to contiguous (H, W, 4) of `dtype`; pixels without alpha become opaque."""
+    try:
+        pixels = np.asarray(values)
+    except ValueError:  # lists of different lengths
+        pixels = np.array(None)
+    is_number = pixels.dtype.kind in ("iu" if dtype is np.uint8 else "biuf")
+    if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or not pixels.size or not is_number:
+        raise UsageError(f"pixels are {pixels.shape} {pixels.dtype}, not (H, W, 3 or 4) {np.dtype(dtype)}")
+    if dtype is np.uint8 and pixels.dtype != np.uint8 and not (pixels.min() >= 0 and pixels.max() <= 255):
+        raise UsageError(f"pixels are from {pixels.min()} to {pixels.max()}, not from 0 to 255")
+    pixels = pixels.astype(dtype, copy=False)
     if pixels.shape[2] == 3:
         pixels = np.concatenate([pixels, np.full_like(pixels[..., :1], opaque)], axis=-1)
     return np.ascontiguousarray(pixels)

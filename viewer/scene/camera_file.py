@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base.atomic import write_json
-from ..base.expect import expect, expect_path
+from ..base.expect import expect, expect_path, expect_size
 from .camera import MAX_PIXEL_ASPECT, MAX_PRINCIPAL, Camera
 from .files import read_file
 from .gltf.element import Document, Element
@@ -60,6 +60,14 @@ class CameraFrame:
     size: tuple[int, int]
     file: Path | None = None
     depth_file: Path | None = None
+
+    def __post_init__(self) -> None:
+        expect(self.camera, Camera, "CameraFrame.camera", "a Camera")
+        object.__setattr__(self, "size", expect_size(self.size, "CameraFrame.size"))
+        for name in ("file", "depth_file"):
+            if getattr(self, name) is not None:
+                expect_path(getattr(self, name), f"CameraFrame.{name}")
+                object.__setattr__(self, name, Path(getattr(self, name)))
 
 
 def read_camera_file(path: str | PathLike[str],
@@ -229,7 +237,7 @@ def read_cameras(path: str | PathLike[str], size: tuple[int, int] = (1280, 720))
     distortion is not drawn. Raises InputError for a file that cannot be read, or has no frames or invalid ones.
     """
     expect_path(path, "path")
-    frames, lines = read_camera_file(path, size)
+    frames, lines = read_camera_file(path, expect_size(size, "size"))
     for line in lines:
         warnings.warn(line, stacklevel=2)
     return frames
