@@ -20,8 +20,10 @@ from ..scene.scene import Scene
 from .shadows import Atlas, Casters, Tile
 from .surface_programs import SHADOW_VERTEX, shadow_maps_of, shadow_program
 
-_CODE = "shadows.py", "surface_casters.py", "geometry.py", "instances.py"
-"""The files beside this one that draw the maps."""
+_PACKAGE = Path(__file__).parents[1]
+_CODE = [_PACKAGE / name for name in ("raster/shadows.py", "raster/surface_casters.py", "raster/geometry.py",
+                                      "raster/instances.py", "gpu/short_depth.py")]
+"""The files that draw the maps, and lay them out in memory."""
 
 
 class KeptMaps:
@@ -48,7 +50,7 @@ class KeptMaps:
         """By all that the depths depend on; None where they depend on curves or images, too."""
         if scene.curves or any(shadow_maps_of(draw) for draw in draws):
             return None
-        here, context = Path(__file__).parent, self._context
+        context = self._context
         programs = [shadow_program(draw) for draw in draws]
         shaders = dict.fromkeys((file, program.switches) for program in programs
                                 for file in (SHADOW_VERTEX, program.fragment))
@@ -56,7 +58,7 @@ class KeptMaps:
         places = [[scene.instances[number].transform for number in draw.instances or (draw.instance,)]
                   for draw in draws]
         return disk.SHADOWS + disk.key(digest(
-            files_digest(here / name for name in _CODE), context.vendor, context.renderer, context.version,
+            files_digest(_CODE), context.vendor, context.renderer, context.version,
             [assemble(file, dict(switches)).text for file, switches in shaders],
             [[mesh.topology, mesh.positions, mesh.indices] for mesh in meshes],
             [[draw.mesh, program.fragment, program.switches] for draw, program in zip(draws, programs, strict=True)],
