@@ -44,7 +44,7 @@ class Target:
 
 TARGETS = (
     Target("cold", "wall_s", 0.5, "image-based"),
-    Target("warm", "wall_s", 0.5, "f3d"),
+    Target("warm", "wall_s", 0.4, "f3d"),
     Target("frame 512x512", "frame_median_ms", 0.5, "image-based"),
     Target("frame 1280x720", "frame_median_ms", 0.5, "image-based"),
     Target("cold", "wall_s", 1.0, "everything"),
