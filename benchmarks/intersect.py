@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 import viewer
 from viewer.gpu.context import Context, open_context
-from viewer.trace.layout import FREE, INSTANCE_MASK, MISS, TILE
-from viewer.trace.paths.wavefront import Wavefront
+from viewer.trace.layout import ENDED, FREE, INSTANCE_MASK, MISS, TILE
+from viewer.trace.paths.wavefront import STATE, Wavefront
 from viewer.trace.rays.bvh import build_bvh
 from viewer.trace.rays.intersect import Intersector, make_intersector
 from viewer.trace.scene.geometry import TraceGeometry, TraceInstance, TraceMesh, trace_geometry
@@ -154,11 +154,11 @@ def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: 
 
 
 def make_wavefront(context: Context, rays: Rays | None, shadow: Rays | None) -> Wavefront:
-    wavefront = Wavefront(context, SIDE // TILE, SIDE // TILE, has_medium=False, has_layers=False)
+    wavefront = Wavefront(context, SIDE // TILE, SIDE // TILE, textures=len(STATE), has_layers=False)
     nothing = np.zeros((SIDE * SIDE, 3), np.float32)
     origin, direction = rays or (nothing, nothing)
     shadow_origin, shadow_vector = shadow or (nothing, nothing)
-    state = 1.0 if rays is not None else 2.0
+    state = 1.0 if rays is not None else float(ENDED)
     for texture, values in ((wavefront.origin, origin), (wavefront.direction, direction),
                             (wavefront.shadow_origin, shadow_origin), (wavefront.shadow_vector, shadow_vector)):
         texture.write(np.pad(values, ((0, 0), (0, 1)), constant_values=state).astype(np.float32))

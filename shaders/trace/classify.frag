@@ -34,7 +34,7 @@ void main() {
 #else
     ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
 #endif
-    float status = texel.y < 0 ? float(IDLE) : floor(texelFetch(u_origin, texel, 0).w);
+    float status = texel.y < 0 ? float(IDLE) : sign(texelFetch(u_origin, texel, 0).w);
     int kind = hit_kind(texelFetch(u_hit, texel, 0));
     int path_class = CLASS_SHADE + kind;
     if (status == IDLE) path_class = CLASS_IDLE;

@@ -1,5 +1,5 @@
-// The side from which a path's last vertex receives light, in the fraction of its status: HAS_LIGHT_TREE needs it again
-// where the path hits an emitter. 22 bits of a unit vector, or 0 for light from all around.
+// The side from which a path's last vertex receives light, beside the origin of its shadow ray: HAS_LIGHT_TREE needs it
+// again where the path hits an emitter. 22 bits of a unit vector, or 0 for light from all around.
 #include "sample/octahedron.glsl"
 
 const float FACING_STEPS = 2046.0; // along each axis; even, so that 0 is one of them

@@ -12,7 +12,7 @@ layout(location = 1) out vec4 o_squares; // of rgb; alpha
 
 void main() {
     ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
-    bool is_in_flight = floor(texelFetch(u_origin, texel, 0).w) == IN_FLIGHT;
+    bool is_in_flight = sign(texelFetch(u_origin, texel, 0).w) == IN_FLIGHT;
     Path p = read_path(texel, texelFetch(u_hit, texel, 0));
     bool is_empty = is_in_flight && p.depth == int(RAYS == 1); // the camera ray hits nothing
     float alpha = is_empty && BACKGROUND == 0 ? 0.0 : 1.0;

@@ -17,7 +17,7 @@ void main() {
     vec4 origin = texelFetch(u_origin, texel, 0);
     if (origin.w == IDLE) discard;
     Found found = Found(0.0, MISS, 0u, vec2(0.0), 0u, true);
-    if (floor(origin.w) == IN_FLIGHT)
+    if (sign(origin.w) == IN_FLIGHT)
         traverse(origin.xyz, texelFetch(u_direction, texel, 0).xyz, FARTHEST, false, found);
     hit = uvec4(found.code, found.triangle, floatBitsToUint(found.barycentric));
     vec3 vector = texelFetch(u_shadow_vector, texel, 0).xyz;

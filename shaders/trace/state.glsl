@@ -6,14 +6,13 @@
 #include "trace/facing.glsl"
 #endif
 
-uniform sampler2D u_origin;        // xyz, status: IDLE, IN_FLIGHT or ENDED; IN_FLIGHT plus the facing
-                                   // (trace/facing.glsl)
-uniform sampler2D u_direction;     // unit vector; pdf of the BSDF sample by solid angle, 0: no MIS weight for light
-                                   // that it hits
-uniform sampler2D u_shadow_origin; // of the pending shadow ray, or x: travelled if there is none; contribution.r
-uniform sampler2D u_shadow_vector; // to the light, 0: there is no shadow ray; contribution.g
+uniform sampler2D u_origin;        // xyz; the sign is the status, IDLE, IN_FLIGHT or ENDED, and in flight the value is
+                                   // the pdf of the BSDF sample by solid angle, or NO_PDF
+uniform sampler2D u_direction;     // unit vector; contribution.r of the pending shadow ray, or travelled if there is none
+uniform sampler2D u_shadow_vector; // to the light, 0: there is no shadow ray; contribution.g, or kept
 uniform sampler2D u_throughput;    // rgb; contribution.b
 uniform sampler2D u_radiance;      // that the path has gathered so far; counters
+uniform sampler2D u_shadow_origin; // of the shadow ray: u_origin where all rays from a vertex begin at one place; facing
 #if HAS_TRANSMISSION
 uniform sampler2D u_medium;        // number; if HAS_PANES, travelled; wavelength; product of eta^2
 #endif
@@ -28,10 +27,12 @@ uniform sampler2D u_along;         // of the rays: transmittance of the shadow r
 uniform usampler2D u_hit;          // see trace/hit.glsl
 uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for each block of TILE x TILE paths
 
+const float NO_PDF = 3e38; // as great as the pdf of a delta lobe
+
 struct Path {
     vec3 origin;
     vec3 direction;
-    float pdf;
+    float pdf;          // of the BSDF sample by solid angle, 0: no MIS weight for light that it hits
 #if HAS_LIGHT_TREE
     float facing;       // of the path's last vertex (trace/facing.glsl)
 #endif
@@ -103,20 +104,21 @@ int unpack_left(float counters) {
 // The path in a texel after its rays were traced. The contribution of an unoccluded shadow ray is in its radiance.
 Path read_path(ivec2 texel, uvec4 hit) {
     vec4 origin = texelFetch(u_origin, texel, 0), direction = texelFetch(u_direction, texel, 0);
-    vec4 a = texelFetch(u_shadow_origin, texel, 0), b = texelFetch(u_shadow_vector, texel, 0);
+    vec4 shadow = texelFetch(u_shadow_vector, texel, 0);
     vec4 throughput = texelFetch(u_throughput, texel, 0), radiance = texelFetch(u_radiance, texel, 0);
     Path p;
     p.origin = origin.xyz;
     p.direction = direction.xyz;
-    p.pdf = direction.w;
+    p.pdf = origin.w < NO_PDF ? origin.w : 0.0;
     p.throughput = throughput.rgb;
 #if HAS_LIGHT_TREE
-    p.facing = fract(origin.w);
+    p.facing = texelFetch(u_shadow_origin, texel, 0).w;
 #endif
-    bool has_shadow_ray = b.xyz != vec3(0.0);
-    p.travelled = has_shadow_ray ? 0.0 : a.x;
+    bool has_shadow_ray = shadow.xyz != vec3(0.0);
+    vec3 pending = vec3(direction.w, shadow.w, throughput.w);
+    p.travelled = has_shadow_ray ? 0.0 : pending.x;
 #if HAS_SEE_THROUGH
-    p.kept = has_shadow_ray ? 0.0 : a.y;
+    p.kept = has_shadow_ray ? 0.0 : pending.y;
 #endif
     int counters = unpack_counters(radiance.w);
     p.depth = counters >> (STEP_BITS + LEFT_BITS);
@@ -132,7 +134,7 @@ Path read_path(ivec2 texel, uvec4 hit) {
 #endif
 #if HAS_SCATTERING || HAS_PANES
     vec4 along = texelFetch(u_along, texel, 0);
-    p.radiance = radiance.rgb + along.rgb * vec3(a.w, b.w, throughput.w);
+    p.radiance = radiance.rgb + (has_shadow_ray ? along.rgb * pending : vec3(0.0));
 #endif
 #if HAS_SCATTERING
     p.reach = along.w;
@@ -149,7 +151,7 @@ Path read_path(ivec2 texel, uvec4 hit) {
 #elif HAS_PANES
     p.travelled = medium.y;
 #else
-    p.radiance = radiance.rgb + (has_shadow_ray && is_shadow_ray_free(hit) ? vec3(a.w, b.w, throughput.w) : vec3(0.0));
+    p.radiance = radiance.rgb + (has_shadow_ray && is_shadow_ray_free(hit) ? pending : vec3(0.0));
 #endif
 #if DISPERSIVE
     p.wavelength = medium.z;

@@ -14,7 +14,7 @@ void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     o_along = texelFetch(u_along, texel, 0);
     o_flight = vec4(NO_COLLISION, 0.0, 0.0, 0.0);
-    float status = floor(texelFetch(u_origin, texel, 0).w);
+    float status = sign(texelFetch(u_origin, texel, 0).w);
     if (status == IDLE) return;
     Path p = read_path(texel, uvec4(0u));
     Sample s = path_sample(texel, p.left);

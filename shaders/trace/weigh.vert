@@ -26,7 +26,7 @@ void main() {
     ivec2 texel = ivec2(gl_VertexID % columns, gl_VertexID / columns);
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     v_light = vec2(0.0);
-    if (floor(texelFetch(u_origin, texel, 0).w) != float(IN_FLIGHT)) return;
+    if (sign(texelFetch(u_origin, texel, 0).w) != float(IN_FLIGHT)) return;
     uvec4 hit = texelFetch(u_hit, texel, 0);
     Path p = read_path(texel, hit);
     ivec2 pixel;

@@ -20,7 +20,7 @@ from viewer.trace.layout import (
     KIND_SHIFT,
     NO_KIND,
 )
-from viewer.trace.paths.wavefront import UNITS, Wavefront
+from viewer.trace.paths.wavefront import STATE, UNITS, Wavefront
 
 COUNT = CLASS_SHADE + NO_KIND
 """Classes, if there were as many kinds of surfaces as a hit has numbers for."""
@@ -30,7 +30,7 @@ def shaded(context: Context) -> tuple[np.ndarray, np.ndarray]:
     """Which paths the pass of each class shades, and which it should, (2, classes, H, W) bool each: first of all paths,
     then of first hits."""
     programs = Programs(context)
-    wavefront = Wavefront(context, 3, 2, has_medium=False, has_layers=False)
+    wavefront = Wavefront(context, 3, 2, textures=len(STATE), has_layers=False)
     rng, shape = np.random.default_rng(3), wavefront.size[::-1]
     status, kind = rng.choice([IDLE, IN_FLIGHT, ENDED], shape), rng.integers(0, NO_KIND + 1, shape)
     depth = rng.integers(0, 2, shape)

@@ -11,7 +11,7 @@ from stand_ins import Geometry, Instance, fill, make_wavefront, mesh, sphere, tr
 
 from viewer.gpu.context import Context
 from viewer.trace.kinds import GLASS
-from viewer.trace.layout import FREE, INSTANCE_MASK, KIND_SHIFT, MISS
+from viewer.trace.layout import ENDED, FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, KIND_SHIFT, MISS
 from viewer.trace.rays.intersect import make_intersector
 
 pytestmark = needs("embree")
@@ -53,7 +53,7 @@ def test_shadow_rays_stop_before_the_light(context: Context) -> None:
 def test_only_slots_that_have_rays_are_traced(context: Context) -> None:
     embree = make_intersector(context, Geometry([SQUARE]), kind="embree")
     wavefront = make_wavefront(context.gl, (16, 16))
-    states = np.array([0.0, 1.0, 2.0, 1.0])
+    states = np.array([IDLE, IN_FLIGHT, ENDED, 0.1])
     origin = np.c_[np.repeat([(0.3, 0.1, 1.0)], 4, axis=0), states]
     direction = np.repeat(DOWN, 4, axis=0)
     vector = -direction * [[1], [0], [1], [1]]
@@ -74,7 +74,7 @@ def test_threads_find_the_same_hits(context: Context, monkeypatch: pytest.Monkey
     wavefronts = [make_wavefront(context.gl, (16, 16)) for _ in range(2)]
     for wavefront in wavefronts:
         origin, direction, vector = rng.normal(size=(3, 256, 3))
-        fill(wavefront, origin=np.c_[origin, rng.integers(0, 3, 256)], direction=direction, shadow_origin=origin,
+        fill(wavefront, origin=np.c_[origin, rng.integers(-1, 2, 256)], direction=direction, shadow_origin=origin,
              shadow_vector=vector * rng.integers(0, 2, (256, 1)))
     alone = [embree.trace(embree.fetch(wavefront)) for wavefront in wavefronts]
     monkeypatch.setattr(module, "TASK", 7)

@@ -9,7 +9,7 @@ from viewer.errors import UsageError
 from viewer.gpu.programs import Programs
 from viewer.trace.layout import TILE
 from viewer.trace.paths.film import Film, relative_error
-from viewer.trace.paths.wavefront import Wavefront, Work
+from viewer.trace.paths.wavefront import STATE, Wavefront, Work
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def film_of(context, programs, samples: np.ndarray) -> Film:
 def test_a_waves_blocks_come_to_their_tiles(context, programs):
     """Blocks are cut off at the picture's edge, several blocks of one tile are added, and no other block is."""
     film = Film(context.gl, programs, (40, 20), has_layers=True)
-    wavefront = Wavefront(context, 4, 2, has_medium=False, has_layers=True)
+    wavefront = Wavefront(context, 4, 2, textures=len(STATE), has_layers=True)
     work = [Work(0, 0, 0, 1), Work(2, 1, 0, 1), Work(2, 1, 1, 1), Work(1, 0, 0, 1)]
     blocks = np.array([1, 6, 3, 0])
     wavefront.assign(blocks, work)

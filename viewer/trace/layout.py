@@ -11,9 +11,9 @@ from collections.abc import Mapping
 TILE = 16
 """Side of a block of paths in a wavefront, and of a tile of pixels in the picture."""
 
-IDLE, IN_FLIGHT, ENDED = 0, 1, 2
-"""The status of a path, the whole part of w of its origin: it has no ray; it has a ray; it has ended and at most a
-shadow ray is pending."""
+IDLE, IN_FLIGHT, ENDED = 0, 1, -1
+"""The status of a path, the sign of w of its origin: it has no ray; it has a ray; it has ended and at most a shadow ray
+is pending."""
 
 CLASS_IDLE, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_SHADE = range(4)
 CLASS_MEDIUM, CLASS_AIRLIGHT, CLASS_FIRST_COLLISION = 10, 11, 12

@@ -16,7 +16,7 @@ from ..scene.material import DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
 from ..scene.scene import Scene
 from ..scene.schema import SWITCHED
 from ..settings import Settings, setting_choices
-from .kinds import BOUNDARY, FIBRE, KINDS, WOVEN, Kind
+from .kinds import BOUNDARY, FIBRE, KINDS, SURFACE, WOVEN, Kind
 from .paths.surface_rays import FROM_SURFACE
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry
@@ -62,9 +62,15 @@ class TracePlan:
         return "track" in self.programs
 
     @property
-    def has_transmission(self) -> bool:
-        """Whether surfaces transmit light, so that paths have a medium."""
-        return bool(self.programs["generate"]["HAS_TRANSMISSION"])
+    def state_textures(self) -> int:
+        """How many textures the state of a path needs, of those in `viewer.trace.paths.wavefront.STATE`: all if
+        surfaces transmit light, so that paths have a medium, or all but that. Without the last two, the shadow ray from
+        a vertex begins where the next ray does, since all surfaces are opaque, and no tree of lights asks for a
+        normal."""
+        on = self.programs["generate"]
+        if on["HAS_TRANSMISSION"]:
+            return 7
+        return 5 + bool(on["HAS_SCATTERING"] or on["HAS_LIGHT_TREE"] or set(self.surfaces) - {SURFACE.name})
 
     @property
     def chooses_pixels(self) -> bool:

@@ -18,9 +18,9 @@ from .arrangement import UNITS as ARRANGED
 from .arrangement import Arrangement
 from .gathered import Gathered
 
-STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
-"""The textures of a state, in the order of their units and attachments. shaders/trace/state.glsl describes them.
-There is no medium if nothing transmits light."""
+STATE = ("origin", "direction", "shadow_vector", "throughput", "radiance", "shadow_origin", "medium")
+"""The textures of a state, in the order of their units and attachments. shaders/trace/state.glsl describes them. There
+is no medium if nothing transmits light, and no shadow_origin if, besides, each path's rays begin at one place."""
 SUMS, LAYERS = 2, 3
 """Number of textures to which the passes finish and layers add."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
@@ -69,14 +69,14 @@ class Sums:
 
 
 class Wavefront:
-    """`columns` x `rows` blocks of TILE x TILE paths. If it is sorted, there can be `more_homes` times as many
-    blocks, of which those have few paths whose work is for few pixels of its tile, or of whose tile few are `covered`
-    (`viewer.trace.paths.sky.Sky`).
+    """`columns` x `rows` blocks of TILE x TILE paths, with the first `textures` of those in `STATE`. If it is sorted,
+    there can be `more_homes` times as many blocks, of which those have few paths whose work is for few pixels of its
+    tile, or of whose tile few are `covered` (`viewer.trace.paths.sky.Sky`).
 
-    There are two states. The textures of the present one are attributes, by their names in `STATE`. Passes read them
-    and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, with `has_along`, `along`
-    (viewer/trace/rays/intersect.py). `classes` has the class of each path as a depth value, and `alive` says
-    for each block, in one texel, whether any of its paths is not idle.
+    There are two states. The textures of the present one are attributes, by their names in `STATE`; `shadow_origin` is
+    `origin` without one of its own. Passes read them and write `next`, and `swap` makes that the present one. An
+    intersector writes `hit` and, with `has_along`, `along` (viewer/trace/rays/intersect.py). `classes` has the class of
+    each path as a depth value, and `alive` says for each block, in one texel, whether any of its paths is not idle.
     With `is_sorted` an `arrangement` says where the paths lie; else each lies in the texel of its block and pixel. With
     `knows_classes` it tells their classes, too.
     `work`, (blocks, 4) int32, has the work items of the blocks, as in `Work`. `is_busy`, (blocks,), says which of them
@@ -91,7 +91,7 @@ class Wavefront:
     radiance: moderngl.Texture
     medium: moderngl.Texture
 
-    def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
+    def __init__(self, context: Context, columns: int, rows: int, textures: int, has_layers: bool,
                  has_along: bool = False, has_grids: bool = False, sees_backs: bool = False,
                  is_sorted: bool = False, chooses: bool = False, more_homes: int = 1,
                  covered: NDArray[np.bool_] | None = None, knows_classes: bool = False) -> None:
@@ -103,7 +103,7 @@ class Wavefront:
         self.arrangement = Arrangement(gl, self.grid, self.size[1], has_layers) if is_sorted else None
         depth = float_depth_renderbuffer(context, self.size)
         self.classes = gl.framebuffer(depth_attachment=depth)
-        self._states = [[float_target(gl, self.size) for _ in STATE[: 6 + has_medium]] for _ in range(2)]
+        self._states = [[float_target(gl, self.size) for _ in range(textures)] for _ in range(2)]
         self._targets = [gl.framebuffer(textures, depth) for textures in self._states]
         self._origins = [gl.framebuffer(textures[:1], depth) for textures in self._states]
         for target in (*self._targets, *self._origins):
@@ -142,7 +142,8 @@ class Wavefront:
     def __getattr__(self, name: str) -> moderngl.Texture:
         if name not in STATE:
             raise AttributeError(name)
-        return self._states[self._present][STATE.index(name)]
+        state = self._states[self._present]
+        return state[STATE.index(name) if STATE.index(name) < len(state) else STATE.index("origin")]
 
     @property
     def present(self) -> moderngl.Framebuffer:
@@ -228,6 +229,7 @@ class Wavefront:
 
     def bind(self) -> None:
         """Bind the present state, the hits and the work items to the units in `UNITS`."""
+        self.origin.use(UNITS["u_shadow_origin"])
         for unit, texture in enumerate(self._states[self._present]):
             texture.use(unit)
         self.hit.use(UNIT_HIT)

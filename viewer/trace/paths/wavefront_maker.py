@@ -37,7 +37,7 @@ class WavefrontMaker:
     def make(self, has_layers: bool = False, sees_backs: bool = False, is_sorted: bool = False,
              chooses: bool = False, covered: NDArray[np.bool_] | None = None) -> Wavefront:
         plan = self._plan
-        return Wavefront(self._context, self._columns, self._rows, plan.has_transmission, has_layers,
+        return Wavefront(self._context, self._columns, self._rows, plan.state_textures, has_layers,
                          plan.has_along, plan.has_grids, sees_backs, is_sorted, chooses,
                          MORE_HOMES if is_sorted and (chooses or covered is not None) and not has_layers else 1,
                          covered if is_sorted else None, is_sorted and plan.knows_classes)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
-from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, KIND_SHIFT, MAX_LAYERS, MISS, NO_KIND
+from ..layout import FREE, IDLE, INSTANCE_MASK, KIND_SHIFT, MAX_LAYERS, MISS, NO_KIND
 from .embree_curves import EmbreeCurves
 from .embree_triangles import TASK, EmbreeTriangles
 from .intersect import CLASS_OF_IDLE, SHADOW_REACH, Answer, Surfaces, WavefrontTextures
@@ -31,8 +31,8 @@ is the same."""
 class Rays:
     """The rays of a wavefront in memory, (paths, 4) float32 each, as the textures have them.
 
-    `medium` is read only in scenes with scattering. The first `count` are to be traced. `sees_backs` is that of the
-    wavefront.
+    `medium` is read only in scenes with scattering. All lie in `memory`. The first `count` are to be traced.
+    `sees_backs` is that of the wavefront.
     """
 
     origin: NDArray[np.float32]
@@ -40,14 +40,15 @@ class Rays:
     shadow_origin: NDArray[np.float32]
     shadow_vector: NDArray[np.float32]
     medium: NDArray[np.float32]
-    count: int = 0
-    sees_backs: bool = False
+    memory: NDArray[np.float32]
+    count: int
+    sees_backs: bool
 
     def part(self, begin: int, end: int) -> Rays:
         """Some of those that are traced."""
         rows = slice(begin, min(end, self.count))
         return Rays(self.origin[rows], self.direction[rows], self.shadow_origin[rows], self.shadow_vector[rows],
-                    self.medium[rows], rows.stop - begin, self.sees_backs)
+                    self.medium[rows], self.memory, rows.stop - begin, self.sees_backs)
 
 
 class EmbreeIntersector:
@@ -69,19 +70,24 @@ class EmbreeIntersector:
             self._coverage = SeeThrough(context, surfaces)
         self._media = ShadowMedia(geometry) if geometry.scatters else None
         self._curves = EmbreeCurves(geometry.curves) if geometry.curves is not None else None
-        self._spare: list[Rays] = []  # memory whose rays are traced
+        self._spare: list[NDArray[np.float32]] = []  # memory whose rays are traced
 
     def fetch(self, wavefront: WavefrontTextures) -> Rays:
         count = wavefront.origin.width * wavefront.origin.height
-        rays = self._spare.pop() if self._spare else None
-        if rays is None or len(rays.origin) != count:
-            rays = Rays(*np.empty((5, count, 4), np.float32))
-        rays.count, rays.sees_backs = wavefront.rows * wavefront.origin.width, wavefront.sees_backs
-        for name in ("origin", "direction", "shadow_origin", "shadow_vector"):
-            wavefront.read(name, getattr(rays, name))
+        memory = self._spare.pop() if self._spare else None
+        if memory is None or memory.shape[1] != count:
+            memory = np.empty((5, count, 4), np.float32)
+        origin, direction, shadow_vector, shadow_origin, medium = memory
+        if wavefront.shadow_origin is wavefront.origin:
+            shadow_origin = origin
+        else:
+            wavefront.read("shadow_origin", shadow_origin)
+        for name, texels in (("origin", origin), ("direction", direction), ("shadow_vector", shadow_vector)):
+            wavefront.read(name, texels)
         if self._media is not None:
-            wavefront.read("medium", rays.medium)
-        return rays
+            wavefront.read("medium", medium)
+        return Rays(origin, direction, shadow_origin, shadow_vector, medium, memory,
+                    wavefront.rows * wavefront.origin.width, wavefront.sees_backs)
 
     def trace(self, rays: Rays) -> Answer:
         return self.begin(rays)()
@@ -91,14 +97,14 @@ class EmbreeIntersector:
         which then waits for the rays, and curves have tasks of their own."""
         if self._coverage is not None or self._curves is not None or rays.count <= TASK:
             answer = self._trace(rays.part(0, rays.count))
-            self._spare.append(rays)
+            self._spare.append(rays.memory)
             return lambda: answer
         parts = [rays.part(first, first + TASK) for first in range(0, rays.count, TASK)]
         traced = in_other_threads(self._trace, parts)
 
         def finish() -> Answer:
             answer = Answer.joined(traced())
-            self._spare.append(rays)
+            self._spare.append(rays.memory)
             return answer
 
         return finish
@@ -107,7 +113,7 @@ class EmbreeIntersector:
         hits = np.zeros((rays.count, 4), np.uint32)
         hits[:, 0] = MISS
         status = rays.origin[:, 3]
-        in_flight = np.flatnonzero((status >= IN_FLIGHT) & (status < IN_FLIGHT + 1))
+        in_flight = np.flatnonzero(status > IDLE)
         origins, directions = _rows(rays.origin, in_flight), _rows(rays.direction, in_flight)
         found = self.triangles.intersect(origins, directions)
         self.triangles.write_hits(found, hits, in_flight)

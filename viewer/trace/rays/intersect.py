@@ -42,9 +42,9 @@ class WavefrontTextures(Protocol):
     Only scenes with scattering need `medium`, and only those and scenes with panes `along`.
     """
 
-    origin: moderngl.Texture  # xyz, and w: the status of viewer/trace/layout.py
+    origin: moderngl.Texture  # xyz, and w, whose sign is the status of viewer/trace/layout.py
     direction: moderngl.Texture
-    shadow_origin: moderngl.Texture
+    shadow_origin: moderngl.Texture  # or the same as `origin`
     shadow_vector: moderngl.Texture  # 0: there is no shadow ray
     medium: moderngl.Texture
     hit: moderngl.Texture
