@@ -92,8 +92,9 @@ def test_panel_takes_the_mouse_and_changes_the_picture(open_window, scene):
 
 
 def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window, monkeypatch, widgets):
-    """All sections open; the buttons are pressed by answering for them, for where they stand depends on the font."""
-    from viewer.app import panel
+    """All sections open, with all rows that the modes have; the buttons are pressed by answering for them, for where
+    they stand depends on the font."""
+    from viewer.app import panel, setting_rows
 
     hands = open_window(viewer.load(resource_folder("assets") / "scenes" / "lights.glb"), size=(640, 480))
     window, pressed = hands.window, []
@@ -106,6 +107,7 @@ def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window,
         return label in pressed and not pressed.remove(label)
 
     monkeypatch.setattr(panel.imgui, "button", press)
+    monkeypatch.setattr(setting_rows, "without_effect", lambda *_: set())
     window.state.scene = replace(window.state.scene, warnings=("something is not drawn",))
     hands.key("Tab")
     for view in ("phong", "path_split", "furnace", "pbr"):
@@ -127,6 +129,30 @@ def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window,
     assert len(window.state.scene.lights) == count and count == 3
     assert flip(hands.screen(), before) > SAME  # the first of the file's own went, the added one stayed
     assert [light.kind for light in window.state.scene.lights] == ["spot", "directional", "directional"]
+
+
+def test_only_settings_that_can_change_the_picture_have_rows(open_window, scene, widgets):
+    hands = open_window(scene, size=(640, 480))
+    hands.key("Tab")
+    state = hands.window.state
+
+    def rows() -> set[str]:
+        widgets.texts.clear()
+        hands.window._draw()
+        return set(widgets.texts)
+
+    plain, media = rows(), {"media_scattering", "media_rays", "media_steps"}
+    assert plain >= {"ndf", "environment_shadows", "reflections", "indirect"}
+    assert not plain & {"hair_scattering", "yarn", "sheen", "subsurface", "refraction", *media}
+    state.settings = replace(state.settings, fog=0.1)
+    assert rows() == plain | media
+    state.settings = replace(state.settings, fog=0.0, indirect="estimated")
+    assert "indirect" in rows(), "another choice has an effect, even if this one has none without shadows"
+    state.show_values("normal")
+    state.choose("ndf", "beckmann")
+    assert "ndf" in rows(), "it could not be changed back"
+    state.show_mode("phong")
+    assert "ndf" not in rows() and "phong" in rows()
 
 
 def test_a_variant_is_chosen(open_window, scene, monkeypatch):
@@ -266,6 +292,21 @@ def test_the_help_stands_before_the_panel(open_window, scene):
     hands.key("h")
     changed = np.flatnonzero(np.abs(shown - hands.screen()[120]).sum(axis=1) > 30)
     assert changed.min() < 300 and changed.max() > 1000 - 344 + 20
+
+
+def test_the_help_breaks_its_lines_where_the_window_is_narrow(open_window, scene, monkeypatch):
+    from viewer.app import overlay
+
+    rights, text = [], overlay.imgui.text
+
+    def seen(line: str) -> None:
+        text(line)
+        rights.append(overlay.imgui.get_item_rect_max().x)
+
+    monkeypatch.setattr(overlay.imgui, "text", seen)
+    hands = open_window(scene, size=(400, 300))
+    hands.key("h")
+    assert rights and max(rights[len(rights) // 2:]) <= 400 - 22
 
 
 def test_numbers_are_readable_on_the_knobs_of_sliders(open_window, scene):

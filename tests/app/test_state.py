@@ -325,6 +325,17 @@ def test_seeking_pauses_and_stays_within_the_animation():
         assert place(state) == [x, 0, 0]
 
 
+def test_a_step_from_rest_is_one_in_the_first_animation():
+    state = ViewState(swinging(), Settings())
+    state.step_animation(0.5)
+    assert place(state) == [1, 0, 0] and not state.playback.is_playing
+    state.step_animation(-9.0)
+    assert place(state) == [0, 0, 0]
+    still = ViewState(replace(swinging(), animations=(), rig=None), Settings())
+    still.step_animation(0.5)
+    assert still.message == "The model has no animations"
+
+
 def test_animations_are_shown_one_after_the_other_and_then_the_model_at_rest():
     state = ViewState(swinging(), Settings())
     state.show_next_animation()

@@ -173,7 +173,7 @@ def test_screenshot_is_the_picture_under_a_free_name(open_window, scene, tmp_pat
     hands.key("s", "F12", "ctrl+s")
     names = [f"{Path(scene.name).stem}-{k}.png" for k in (1, 2, 3)]
     assert sorted(path.name for path in tmp_path.iterdir()) == names
-    assert f"Saved {names[2]}" == hands.window.state.message
+    assert f"Saved {tmp_path / names[2]}" == hands.window.state.message
     assert flip(Image.open(names[0]).srgb[..., :3], headless(scene, Settings())) < SAME
 
 

@@ -30,6 +30,15 @@ def test_instances_share_the_mesh():
     assert len(scene.meshes) == 1 and [(i.mesh, i.name) for i in scene.instances] == [(0, "n0"), (0, "n1"), (0, "n2")]
 
 
+def test_a_scene_is_named_after_its_file():
+    """Most exporters name it "Scene", which tells a user nothing in the title of a window or the name of a picture."""
+    builder = GltfBuilder()
+    builder.node(mesh=builder.triangle())
+    assert builder.load().name == "memory"
+    builder.json["scenes"][0]["name"] = "Scene"
+    assert builder.load().name == "memory"
+
+
 def test_scenes():
     builder = GltfBuilder()
     mesh = builder.triangle()
@@ -37,10 +46,10 @@ def test_scenes():
     builder.node(root=False, mesh=mesh, name="b")
     assert [i.name for i in builder.load().instances] == ["a", "b"]
     builder.json.update(scenes=[{"nodes": [0], "name": "A"}, {"nodes": [1], "name": "B"}])
-    assert builder.load().name == "A"
+    assert builder.load().name == "memory - A"
     builder.json["scene"] = 1
     assert [i.name for i in builder.load().instances] == ["b"]
-    assert builder.load(0).name == "A"
+    assert builder.load(0).name == "memory - A"
     with pytest.raises(InputError, match="no scene 2"):
         builder.load(2)
 

@@ -81,6 +81,7 @@ def draw_help(state: ViewState, scale: float) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_padding, (22 * scale, 18 * scale))
     imgui.begin("##help", None, _STILL & ~imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.always_auto_resize)
     groups = help_groups()
+    imgui.push_text_wrap_pos(width - 22 * scale - imgui.get_style().scrollbar_size)
     for column in (groups[:2], groups[2:]) if width > 1010 * scale else (groups,):
         if column is not groups and column[0] is not groups[0]:
             imgui.same_line(spacing=36 * scale)
@@ -90,6 +91,7 @@ def draw_help(state: ViewState, scale: float) -> None:
             _table(title, lines)
             imgui.dummy((0, 6 * scale))
         imgui.end_group()
+    imgui.pop_text_wrap_pos()
     imgui.end()
     imgui.pop_style_var(2)
     if imgui.is_mouse_clicked(0):

@@ -78,7 +78,7 @@ class Panel:
 
     def draw(self, scale: float) -> None:
         """Draw the panel at the right of the window."""
-        self._rows.scale = scale
+        self._rows.begin(scale)
         width, height = imgui.get_io().display_size
         panel_width = self.width(width, scale)
         imgui.set_next_window_pos(imgui.ImVec2(width - panel_width, 0))

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from imgui_bundle import imgui
 
 from ..interact.state import ViewState
-from ..settings import ignored, setting_choices, setting_meanings
+from ..plan.unused import without_effect
+from ..scene.scene import Scene
+from ..settings import Settings, ignored, setting_choices, setting_meanings
 from .tips import tip_of
 from .widgets import combo, row, tooltip
 
@@ -30,18 +33,31 @@ _LABELS = {
 
 
 class SettingRows:
-    """`scale` is the desktop's."""
+    """`scale` is the desktop's. A setting has no row if the scene has nothing that it is about, or no mode that is shown
+    uses it."""
 
     def __init__(self, state: ViewState) -> None:
         self._state = state
         self.scale = 1.0
+        self._without: set[str] = set()
+        self._known: tuple[Scene | None, Settings | None, tuple[str, ...]] = (None, None, ())
+
+    def begin(self, scale: float) -> None:
+        """Begin a frame of the panel."""
+        self.scale, state = scale, self._state
+        shown = state.scene, state.at_rest, state.modes
+        if shown != self._known:
+            # What another row switches off stays: a row that is gone after a choice in it could not be changed back.
+            free = replace(state.at_rest, indirect="baked", show="shaded")
+            self._without = without_effect(state.scene, free) | set(ignored(*state.modes))
+            self._known = shown
 
     def row(self, label: str, setting: str = "") -> None:
         row(label, self.scale, tip_of(label, setting))
 
     def choice(self, label: str, name: str) -> None:
-        """A row for a setting with choices, if a mode that is shown uses it."""
-        if name not in ignored(*self._state.modes):
+        """A row for a setting with choices, if it can change the picture."""
+        if name not in self._without:
             self.combo(label, name, setting_choices()[name])
 
     def combo(self, label: str, name: str, values: Sequence[str]) -> None:
@@ -52,8 +68,8 @@ class SettingRows:
             self._state.choose(name, values[index])
 
     def switch(self, label: str, name: str) -> None:
-        """A check box for a setting that is on or off, if a mode that is shown uses it."""
-        if name in ignored(*self._state.modes):
+        """A check box for a setting that is on or off, if it can change the picture."""
+        if name in self._without:
             return
         changed, on = imgui.checkbox(label, getattr(self._state.settings, name) == "on")
         tooltip(tip_of(label, name))

@@ -29,8 +29,8 @@ class Actions:
             "inertia": self._toggle_inertia, "pause": state.toggle_pause, "denoise": state.toggle_denoise,
             "tell_error": state.toggle_error, "error_map": lambda: state.toggle_error(shows=True),
             "play": state.toggle_play, "next_animation": state.show_next_animation,
-            "step_back": lambda: state.seek(state.playback.time - STEP_SECONDS),
-            "step_on": lambda: state.seek(state.playback.time + STEP_SECONDS),
+            "step_back": lambda: state.step_animation(-STEP_SECONDS),
+            "step_on": lambda: state.step_animation(STEP_SECONDS),
             "frame_all": self.frame_all, "orthographic": self._toggle_orthographic,
             "next_camera": self._show_next_camera,
         }

@@ -70,7 +70,7 @@ MOUSE = (
     ("Drop a file", "Open a model, or an HDR or EXR picture as environment"),
 )
 
-_LABELS = {"COMMA": ",", "PERIOD": ".", "ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space",
+_LABELS = {"COMMA": "Comma", "PERIOD": "Full stop", "ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space",
            "PAGE_DOWN": "Page Down", "PAGE_UP": "Page Up"}
 
 

@@ -249,10 +249,12 @@ class Picture:
             image = Image.from_srgb(self._read(lambda framebuffer: self._present(settings, framebuffer), size))
             image.attributes.update(self.paths.attributes)
             image.save(path)
-        except (ViewerError, OSError) as error:
+        except ViewerError as error:
             self._state.say(str(error), is_error=True)
+        except OSError as error:  # of `cwd` alone: the folder is gone
+            self._state.say(f"the picture is not saved: the current folder: {error.strerror}", is_error=True)
         else:
-            self._state.say(f"Saved {path.name}")
+            self._state.say(f"Saved {path}")
         self._drawn = None
         self._forget_error()
 

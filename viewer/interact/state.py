@@ -179,12 +179,21 @@ class ViewState:
 
     def toggle_play(self) -> None:
         """Play the animation, the first one if none is chosen, or stand still."""
+        if self._has_animation():
+            self.playback.is_playing = not self.playback.is_playing
+
+    def step_animation(self, seconds: float) -> None:
+        """Stand still so much later, in the first animation if none is chosen."""
+        if self._has_animation():
+            self.seek(self.playback.time + seconds)
+
+    def _has_animation(self) -> bool:
+        """Choose the first animation if none is chosen. Returns whether there is one."""
         if not self.scene.animations:
             self.say("The model has no animations")
-            return
-        if self.playback.animation is None:
+        elif self.playback.animation is None:
             self.show_animation(0)
-        self.playback.is_playing = not self.playback.is_playing
+        return bool(self.scene.animations)
 
     def show_animation(self, number: int | None) -> None:
         """Show another animation from its beginning, playing or not as before; None is the model at rest."""

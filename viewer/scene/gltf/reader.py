@@ -115,7 +115,7 @@ class _Reader:
                   self._at_rest(dict(zip(light_items, lights)), dict(zip(camera_items, cameras))),
                   np.array(self._skinned, bool), self._all_offsets(), tuple(self._curves))
         lights = [replace(light, intensity=0.0) if hidden[node] else light for light, node in zip(lights, light_nodes)]
-        return Scene(name or self.root.document.path.stem, tuple(self.meshes), variants[0].materials,
+        return Scene(name, tuple(self.meshes), variants[0].materials,
                      self._instances(rig, hidden), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts(), animations=self.animations,
                      rig=rig if self.animations else None, variants=variants if len(variants) > 1 else (),
@@ -140,10 +140,13 @@ class _Reader:
         return values
 
     def _scene_nodes(self, wanted: int | str | None) -> tuple[str, list[int]]:
-        """The name of the scene to show and its nodes, parents first."""
-        scenes = self.root.array("scenes")
+        """A name for the scene to show, and its nodes, parents first.
+
+        The name is that of the file, as in all formats: most exporters name every scene "Scene". One of several gets
+        its own name behind it."""
+        scenes, stem = self.root.array("scenes"), self.root.document.path.stem
         if wanted is None and not scenes:
-            return "", self.nodes.reachable(self.nodes.roots(), self.root)
+            return stem, self.nodes.reachable(self.nodes.roots(), self.root)
         names = [scene.string("name", "") for scene in scenes]
         if wanted is None:
             index = self.root.index("scene", len(scenes), 0)
@@ -156,7 +159,8 @@ class _Reader:
             raise self.root.error(f"there is no scene {wanted!r}; there are, counted from 0: {known}", "scenes")
         scene = scenes[index]
         roots = scene.indices("nodes", len(self.nodes.items))
-        return scene.string("name", ""), self.nodes.reachable(roots, scene)
+        name = f"{stem} - {names[index]}" if len(scenes) > 1 and names[index] else stem
+        return name, self.nodes.reachable(roots, scene)
 
     def _never_visible(self) -> np.ndarray:
         """The nodes, (N,) bool, whose meshes and lights are hidden at all times."""
