@@ -91,6 +91,19 @@ def test_panel_takes_the_mouse_and_changes_the_picture(open_window, scene):
     assert not state.panel
 
 
+def test_who_gets_the_mouse_follows_from_where_it_is_pressed(open_window, scene):
+    """Between two slow frames the mouse comes over from the panel or the picture, is pressed, moves and is released."""
+    hands = open_window(scene, size=(640, 480))
+    hands.key("Tab")
+    orbit = hands.window.orbit
+    for rests_at, start, turns in (((500, 300), (100, 300), True), ((100, 300), (500, 300), False)):
+        hands.move(*rests_at)
+        azimuth = orbit.azimuth
+        x, y = start
+        hands.xdotool("mousemove", x, y, "mousedown", 1, "mousemove", x + 40, y, "mouseup", 1)
+        assert (orbit.azimuth != azimuth) == turns
+
+
 def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window, monkeypatch, widgets):
     """All sections open, with all rows that the modes have; the buttons are pressed by answering for them, for where
     they stand depends on the font."""

@@ -184,7 +184,7 @@ def test_screenshot_where_nothing_can_be_written(open_window, scene, tmp_path, m
     monkeypatch.chdir(missing)
     missing.rmdir()
     hands.key("s")
-    assert hands.window.state.is_error and hands.window.state.message
+    assert hands.window.state.is_error and "current folder" in hands.window.state.message
 
 
 def test_a_status_longer_than_the_picture_is_wide_is_wrapped(open_window, scene, monkeypatch):

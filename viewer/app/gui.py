@@ -15,6 +15,8 @@ from ..gpu.program import compile_program
 from ..image.fonts import roboto_file
 
 FONT_SIZE = 15.0
+NOWHERE = -1e9, -1e9
+"""Where a mouse is that has left the window."""
 _UNIT = 0
 _KEYS = {  # the keys that text fields need
     glfw.KEY_TAB: imgui.Key.tab, glfw.KEY_BACKSPACE: imgui.Key.backspace, glfw.KEY_ENTER: imgui.Key.enter,
@@ -53,6 +55,7 @@ class Gui:
         )
         self._textures: dict[int, moderngl.Texture] = {}
         self._time = glfw.get_time()
+        self._mouse = imgui.ImVec2(*NOWHERE)
         _set_style(imgui.get_style())
         self.scale = 1.0
         self._fit_scale()
@@ -114,8 +117,16 @@ class Gui:
             imgui.internal.close_popup_to_level(0, True)
         return is_open
 
+    def on_move(self, x: float, y: float) -> None:
+        self._mouse = imgui.ImVec2(x, y)
+        self.io.add_mouse_pos_event(x, y)
+
     @property
     def wants_mouse(self) -> bool:
+        """Whether the mouse is on a widget or moves one. ImGui knows where it was in the last frame; since then it may
+        have come over from the panel to the picture."""
+        imgui.set_current_context(self._imgui)
+        imgui.internal.update_hovered_window_and_capture_flags(self._mouse)
         return self.io.want_capture_mouse
 
     @property

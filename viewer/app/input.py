@@ -11,7 +11,7 @@ from ..interact.keys import action_of
 from ..interact.orbit import OrbitController
 from ..interact.pointer import Pointer
 from ..interact.state import ViewState
-from .gui import Gui
+from .gui import NOWHERE, Gui
 
 _NAMES = {
     getattr(glfw, f"KEY_{name}"): name
@@ -66,7 +66,7 @@ class Input:
     def _on_enter(self, _window: Any, entered: int) -> None:
         self.changed = True
         if not entered and not self._pointer.is_dragging:
-            self._gui.io.add_mouse_pos_event(-1e9, -1e9)
+            self._gui.on_move(*NOWHERE)
 
     def _on_button(self, _window: Any, button: int, action: int, modifiers: int) -> None:
         self.changed = True
@@ -79,7 +79,7 @@ class Input:
 
     def _on_move(self, _window: Any, x: float, y: float) -> None:
         self.changed = True
-        self._gui.io.add_mouse_pos_event(x, y)
+        self._gui.on_move(x, y)
         self._pointer.move(x, y)
         is_free = self._pointer.is_dragging or not self._gui.wants_mouse
         glfw.set_cursor(self._window, self._split_cursor if is_free and self._pointer.is_on_split else None)

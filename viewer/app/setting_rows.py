@@ -33,8 +33,8 @@ _LABELS = {
 
 
 class SettingRows:
-    """`scale` is the desktop's. A setting has no row if the scene has nothing that it is about, or no mode that is shown
-    uses it."""
+    """`scale` is the desktop's. A setting has no row if the scene has nothing that it is about, or if no mode that is
+    shown uses it."""
 
     def __init__(self, state: ViewState) -> None:
         self._state = state
