@@ -72,10 +72,9 @@ void main() {
 #endif
 #endif
 #if HAS_TRANSMISSION && !IS_SOLID
-    s.f0 = mix(s.f0, thin_walled_f0(s.f0), m.transmission);
     s.film_walls = m.transmission;
 #endif
-    SurfaceView view = seen_surface(m.perceptual_roughness, s, p);
+    SurfaceView view = seen_surface(m, s, p);
 #if LIGHT_COUNT > 0
     widen_for_lights(s, view, p);
 #endif

@@ -1,11 +1,16 @@
 // The surface of a point as the eye sees it: the albedos of its layers towards the eye, which all lights share.
 #include "raster/lobe_width.glsl"
+#if HAS_TRANSMISSION && REFLECTS && METALNESS != 1
+#include "raster/glass_reflectance.glsl"
+#endif
 
-// Also widens and stretches the lobe of the surface. `perceptual_roughness` is that of the material.
-SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Point p) {
+// Also widens and stretches the lobe of the surface.
+SurfaceView seen_surface(MaterialInputs m, inout Surface s, inout Point p) {
     widen_lobe(s, p);
 #if SPECULAR_AA || ANISOTROPIC || NORMAL_MAP
-    perceptual_roughness = table_roughness(s);
+    float perceptual_roughness = table_roughness(s);
+#else
+    float perceptual_roughness = m.perceptual_roughness;
 #endif
     vec4 dfg = vec4(0.0); // (a, b) of the split sum, and their means over all directions
 #if REFLECTS && ANISOTROPIC
@@ -13,6 +18,9 @@ SurfaceView seen_surface(float perceptual_roughness, inout Surface s, inout Poin
     dfg = vec4(seen, facet_mean(s, perceptual_roughness, u_dfg));
 #elif REFLECTS
     dfg = dfg_albedo_and_mean(u_dfg, p.NoV, perceptual_roughness);
+#endif
+#if HAS_TRANSMISSION && REFLECTS && METALNESS != 1
+    reflect_as_glass(s, m.transmission, dfg.xy);
 #endif
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, dfg.xy, dfg.zw);
 #if SHEEN

@@ -13,11 +13,6 @@
 #include "bsdf/dispersion.glsl"
 #endif
 
-// Reflectance of both faces of a thin wall together, with all reflections between them: R' = 2 R / (1 + R)
-vec3 thin_walled_f0(vec3 f0) {
-    return 2.0 * f0 / (1.0 + f0);
-}
-
 // Roughness of the transmitted lobe. It grows with the difference of the indices, from 0 at ior 1 to that of the
 // reflected lobe at 1.5, as in the glTF Sample Renderer.
 float transmitted_roughness(float perceptual_roughness, float ior) {

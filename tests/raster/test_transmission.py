@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import WHITE, constant, lopsided, moved, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
+from viewer.bake.half_space import fresnel
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions
@@ -50,6 +51,28 @@ def test_a_wall(renderer):
     found = middle(renderer, scene(plate(), materials=[wall], environment=constant()))
     back = 2 * R / (1 + R)
     assert found[:3] == pytest.approx(back + (1 - back) * np.array([0.9, 0.5, 0.1]), abs=2e-3)
+
+
+@pytest.mark.parametrize("curve", ["schlick", "exact"])
+@pytest.mark.parametrize("thickness", [0.0, 0.5])
+@pytest.mark.parametrize("ior", [1.0, 1.2, 1.5, 2.4])
+def test_black_glass_reflects_by_fresnels_equations_at_every_angle(renderer, ior, thickness, curve):
+    """Not by Schlick's curve, which opaque surfaces may have. Glass with the index of air reflects nothing."""
+    black = replace(GLASS, base_color=(0, 0, 0, 1), ior=ior, thickness=thickness)
+    model = scene((plate(), facing_floor()), materials=[black], environment=constant())
+    for mu in (0.2, 0.3, 0.5, 0.8):
+        found = middle(renderer, model, orthographic(elevation=np.arcsin(mu), height=0.2), fresnel=curve)
+        R = fresnel(np.array([mu]), ior)[0]
+        assert found[:3] == pytest.approx(R if thickness else 2 * R / (1 + R), abs=0.01)
+
+
+def test_rough_walls_reflect_as_facets_of_both_faces(renderer):
+    """As the mean of 2 R / (1 + R) over the facets that are seen, from the path tracer."""
+    black = replace(GLASS, base_color=(0, 0, 0, 1), perceptual_roughness=0.4)
+    model = scene((plate(), facing_floor()), materials=[black], environment=constant())
+    camera = orthographic(elevation=np.radians(17), height=0.2)
+    wanted = Tracer(renderer.context).render(model, camera, Settings.of(mode="path", spp=256), (16, 16)).linear
+    assert middle(renderer, model, camera)[:3] == pytest.approx(wanted[..., :3].mean(axis=(0, 1)), abs=0.02)
 
 
 @pytest.mark.parametrize("scale", [0.01, 1.0, 30.0])
