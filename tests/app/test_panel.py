@@ -268,7 +268,7 @@ def test_the_picture_is_centred_in_what_the_panel_leaves(open_window, scene, tmp
     assert window._pixels == (1000, 240)
 
 
-def test_escape_closes_a_list_leaves_a_field_and_only_then_the_window(open_window, scene, widgets):
+def test_escape_closes_a_list_leaves_a_field_and_only_then_the_window(open_window, scene, widgets, monkeypatch):
     from imgui_bundle import imgui
 
     def is_open() -> bool:
@@ -290,6 +290,12 @@ def test_escape_closes_a_list_leaves_a_field_and_only_then_the_window(open_windo
     assert window.state.settings.mode == "pbr" and window._panel._path == "2q3"
     hands.key("Return")
     assert window.state.is_error and "2q3" in window.state.message
+    monkeypatch.setenv("HOME", "/home/of")
+    monkeypatch.setenv("USERPROFILE", "/home/of")
+    window._panel._path = "~/helmet.glb"
+    hands.click(*widgets.places["##file"])
+    hands.key("Return")
+    assert window.state.message.startswith("/home/of/helmet.glb: ")
     hands.key("Escape")
     assert window.state.message == "" and not window.is_closed
     hands.key("Escape")

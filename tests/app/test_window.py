@@ -177,6 +177,22 @@ def test_screenshot_is_the_picture_under_a_free_name(open_window, scene, tmp_pat
     assert flip(Image.open(names[0]).srgb[..., :3], headless(scene, Settings())) < SAME
 
 
+def test_a_picture_at_rest_is_saved_without_being_drawn_again(open_window, scene, tmp_path, monkeypatch):
+    """Or else it would be replaced by the simpler one of movement for a moment, and its error measured again."""
+    monkeypatch.chdir(tmp_path)
+    hands = open_window(scene, Settings(), quality=Quality("standard"))
+    window, drawn = hands.window, []
+    draw = window.renderer.draw
+    monkeypatch.setattr(window.renderer, "draw", lambda *given, **named: drawn.append(given) or draw(*given, **named))
+    hands.key("s")
+    assert not drawn and window.picture.is_refined
+    window.orbit.orbit(0.1, 0.0)
+    window.do("screenshot")
+    assert drawn
+    first, second = (Image.open(f"{Path(scene.name).stem}-{k}.png").srgb for k in (1, 2))
+    assert flip(first[..., :3], second[..., :3]) > OTHER
+
+
 def test_screenshot_where_nothing_can_be_written(open_window, scene, tmp_path, monkeypatch):
     hands = open_window(scene)
     missing = tmp_path / "gone"

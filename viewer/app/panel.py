@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -212,7 +213,7 @@ class Panel:
         entered, self._path = imgui.input_text_with_hint("##file", "path, or drop a file", self._path,
                                                          imgui.InputTextFlags_.enter_returns_true)
         if entered and self._path.strip():
-            self._open_file(self._path.strip())
+            self._open_file(os.path.expanduser(self._path.strip()))
         if environment is None:
             return
         self._rows.row("Rotation")

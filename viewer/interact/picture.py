@@ -107,12 +107,7 @@ class Picture:
         state, camera = self._state, self._orbit.camera
         size = self._frame.begin(whole, self._moves(camera))
         settings = on_screen(state)
-        # The display pass composites a background colour.
-        background: Background = "env" if settings.background == "env" else "none"
-        exposure = settings.exposure if settings.grid == "on" else 0.0  # the grid is as bright in all
-        shading = replace(settings, exposure=exposure, tonemap="none", background=background)
-        wanted = (state.scene, shots(state, shading, size), state.quality, *camera.key, size,
-                  self._renderer.programs.generation)
+        wanted = self._wanted(settings, size)
         self.paths.follow(camera, size)
         still = wanted == self._drawn and self._frame.is_whole and self.wants_refinement
         if wanted == self._drawn and not still:
@@ -127,6 +122,15 @@ class Picture:
         self._forget_error()
         self._good = {"state": state.shown(), "orbit": dict(vars(self._orbit))}
         return True
+
+    def _wanted(self, settings: Settings, size: tuple[int, int]) -> tuple[object, ...]:
+        """All that a picture of `size` pixels depends on, as far as it is drawn and not only displayed."""
+        # The display pass composites a background colour.
+        background: Background = "env" if settings.background == "env" else "none"
+        exposure = settings.exposure if settings.grid == "on" else 0.0  # the grid is as bright in all
+        shading = replace(settings, exposure=exposure, tonemap="none", background=background)
+        return (self._state.scene, shots(self._state, shading, size), self._state.quality, *self._orbit.camera.key,
+                size, self._renderer.programs.generation)
 
     def _moves(self, camera: Camera) -> bool:
         """Whether the next picture follows the last one in a movement. A new scene does not, which takes long once."""
@@ -244,7 +248,10 @@ class Picture:
             path = free_path(Path.cwd(), Path(self._state.scene.name).stem)
             self.paths.follow(self._orbit.camera, size)
             if not self._is_all_paths(size):
-                self._draw(settings, size, still=True)
+                if self._drawn != self._wanted(settings, size) or self._drawn_as != self._as_drawn(still=True):
+                    self._drawn = None
+                    self._forget_error()
+                    self._draw(settings, size, still=True)
                 self._renderer.add_photons(math.inf, settings.photons)
             image = Image.from_srgb(self._read(lambda framebuffer: self._present(settings, framebuffer), size))
             image.attributes.update(self.paths.attributes)
@@ -255,8 +262,6 @@ class Picture:
             self._state.say(f"the picture is not saved: the current folder: {error.strerror}", is_error=True)
         else:
             self._state.say(f"Saved {path}")
-        self._drawn = None
-        self._forget_error()
 
     def _draw(self, settings: Settings, size: tuple[int, int], still: bool) -> None:
         for shot, part in shots_of_quality(self._state, settings, size, still):
