@@ -89,7 +89,6 @@ class ViewState:
             self.show_lobes(view.replace("_", "-"))  # type: ignore[arg-type]
 
     def show_mode(self, mode: Mode, lobes: Lobes = "all") -> None:
-        self._forget_values()
         self.split, self.paused = None, False
         self.settings = replace(self.settings, mode=mode, lobes=lobes, show="shaded")
 
@@ -97,16 +96,8 @@ class ViewState:
         """Show one of the views for teaching and debugging, or the shaded picture, in the real-time mode that is shown,
         or else in mode pbr."""
         mode: Mode = "phong" if self.modes == ("phong",) else "pbr"
-        is_new = show != self.settings.show
         self.show_mode(mode)
         self.settings = replace(self.settings, show=show)
-        if is_new:
-            self.say(VIEW_NAMES[show])
-
-    def _forget_values(self) -> None:
-        """Take the name of a view of values away, which the next one is not."""
-        if self.message == VIEW_NAMES[self.settings.show]:
-            self.message = ""
 
     def toggle_wireframe(self) -> None:
         self.leave_furnace()
@@ -146,7 +137,6 @@ class ViewState:
     def show_split(self, left: Mode = "phong", right: Mode = "pbr") -> None:
         self.split, self.paused = 0.5 if self.split is None else self.split, False
         self.sides = left, right
-        self._forget_values()
         self.settings = replace(self.settings, lobes="all", show="shaded")
 
     def toggle_pause(self) -> None:
