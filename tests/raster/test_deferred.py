@@ -100,16 +100,22 @@ def test_what_is_drawn_over_them(renderer, background):
         np.testing.assert_allclose(np.median(np.abs(deferred - msaa)), 0, atol=1e-6)
 
 
-def test_a_ground_is_drawn_once_a_pixel_over_the_background(renderer):
+@pytest.mark.parametrize("settings", [{"ground": "shadow"}, {"ground": "shadow", "background": "none"},
+                                      {"fog": 0.2, "background": "none"},
+                                      {"ground": "shadow", "fog": 0.2, "background": "none"}], ids=str)
+def test_what_is_drawn_behind_is_drawn_once_a_pixel(renderer, settings):
     model = replace(still_life(), environment=lopsided())
-    msaa, none, deferred = (drawn(renderer, model, CAMERA, antialias, ground="shadow")
+    msaa, none, deferred = (drawn(renderer, model, CAMERA, antialias, **settings)
                             for antialias in ("msaa-4", "none", "deferred-4"))
-    assert renderer.plan.is_over_layers and renderer.plan.ground is not None
-    without = drawn(renderer, model, CAMERA, "deferred-4")
-    assert (without - deferred).max() > 0.01 * without.max()
+    assert renderer.plan.is_over_layers and renderer.plan.has_behind
+    without = drawn(renderer, model, CAMERA, "deferred-4", **settings | {"ground": "off", "fog": 0.0})
+    assert np.abs(without - deferred).max() > 0.01 * without.max()
     error, jagged = (np.abs(picture - msaa).mean() for picture in (deferred, none))
     assert error < 0.2 * jagged, (error, jagged)
     np.testing.assert_allclose(np.median(np.abs(deferred - msaa)), 0, atol=1e-6)
+    drawn(renderer, model, Camera.look_at((0, 1, -4), (0, 0, 0)), "deferred-4")
+    again = drawn(renderer, model, CAMERA, "deferred-4", **settings)
+    assert np.array_equal(again, deferred)  # with nothing of the picture before
 
 
 @pytest.mark.parametrize("bits", [22, 3])

@@ -204,13 +204,21 @@ class Plan:
 
     @property
     def is_over_layers(self) -> bool:
-        """Whether the background can be drawn once a pixel, too, behind all surfaces that are not deferred, and over it
-        the shadow on the ground. So it is where no solid looks at the picture behind it without a background, and all
-        else that is drawn is within the boxes of meshes."""
-        others = (self.curves, *(() if self.background else (self.media, self.ground)))
+        """Whether what lies behind all surfaces can be drawn once a pixel, too. So it is where no solid looks at the
+        picture behind it without a background, and all else that is drawn is within the boxes of meshes."""
         are_known = not any(draw.transmits == SOLID or draw.program.get("IS_POINTS") for draw in self.kinds)
-        return (self.has_deferred and are_known and not any(other is not None for other in others)
+        return (self.has_deferred and are_known and self.curves is None
                 and not (self.wireframe or self.grid or self.counts))
+
+    @property
+    def fills_behind(self) -> bool:
+        """Whether a background or media are drawn in all pixels without a surface."""
+        return self.background or self.media is not None
+
+    @property
+    def has_behind(self) -> bool:
+        """Whether anything is drawn there."""
+        return self.fills_behind or self.ground is not None
 
     @property
     def has_visibility(self) -> bool:

@@ -54,12 +54,12 @@ class DeferredSurfaces:
     def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object],
              draw_behind: Callable[[], None]) -> Layers:
         """Clear `target` where something is drawn, draw them into its depth, within `Depth.test()`, and return their
-        radiance in pixels. With `Plan.is_over_layers` the background belongs to the layers: `draw_behind` draws it, and
-        what lies over it, into the framebuffer in use."""
+        radiance in pixels. With `Plan.is_over_layers` what lies behind all surfaces belongs to the layers: `draw_behind`
+        draws it into the framebuffer in use."""
         draws = [draw for draw in plan.draws if draw.is_deferred]
         layers = self._layers.get(lambda held: held.target is target,
                                   lambda: Layers(self._context, self._depth, target))
-        layers.has_background = plan.is_over_layers and plan.background
+        layers.has_behind = plan.is_over_layers and plan.has_behind
         triangles = self._triangles.get(lambda held: held.fits(frame.scene, draws),
                                         lambda: NumberedTriangles(self._context, frame.scene, draws))
         part = target.part or (0, 0, *frame.size)
@@ -74,7 +74,7 @@ class DeferredSurfaces:
         self._choose(frame, layers, triangles)
         for number in range(2):
             self._shade(number, frame, plan, layers, triangles, boxes, uniforms)
-            if layers.has_background:
+            if layers.has_behind:
                 layers.shaded[number].scissor = layers.box if number else target.part
                 draw_behind()
         self._context.gl.clear_samplers()
@@ -94,7 +94,7 @@ class DeferredSurfaces:
                     "SAMPLES": layers.samples}
         with self._depth.all():
             for fragment, defines, framebuffer, nothing in (
-                    ("raster/choose.frag", switches | {"BACKGROUND": int(layers.has_background)},
+                    ("raster/choose.frag", switches | {"BACKGROUND": int(layers.has_behind)},
                      layers.choosing, self._depth.far),
                     ("raster/choose_second.frag", switches | {"NOTHING": _NOTHING}, layers.second, _NOTHING)):
                 program = self._programs.get(FULLSCREEN, fragment, defines)
@@ -163,15 +163,15 @@ class Layers:
         """Rectangles in it, outside of which there are no deferred surfaces."""
         self.over = 0, 0, 0, 0
         """The one in it outside of which nothing is drawn over them."""
-        self.has_background = False
-        """Whether the background is the first or the second surface of pixels."""
+        self.has_behind = False
+        """Whether what lies behind all surfaces is the first or the second surface of pixels."""
 
     def clear(self, programs: Programs, box: Box, rows: list[Box], over: Box) -> None:
         """Clear the samples and the target, for a frame of this `box`, `rows` and `over`, and leave `numbers` in use.
         Mesa's software rasteriser fills a tile of pixels with all that is drawn into a framebuffer while it is in use.
         """
         self.box, self.rows, self.over = box, rows, over
-        if not self.has_background:
+        if not self.has_behind:
             self.target.resolved.use()
             self.target.resolved.clear()
         if over[2]:
@@ -192,7 +192,7 @@ class Layers:
         framebuffer.scissor = self.target.part
         framebuffer.use()
         if framebuffer is self.choosing and self.over[2]:
-            self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)(_ALL_SAMPLES if self.has_background else 0))
+            self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)(_ALL_SAMPLES if self.has_behind else 0))
         self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(depth))
 
     def draw_rows(self, framebuffer: moderngl.Framebuffer, program: moderngl.Program) -> None:

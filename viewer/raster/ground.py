@@ -77,7 +77,7 @@ class GroundPass:
             program["GroundLights"].binding = _BINDING
             self._atlas.texture.use(UNIT_BACKGROUND)
             set_uniform(program, "u_atlas", UNIT_BACKGROUND)
-        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        self._gl.enable_only(moderngl.DEPTH_TEST | (moderngl.BLEND if plan.fills_behind else 0))
         self._gl.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         with self._depth.behind_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
