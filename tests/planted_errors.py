@@ -23,6 +23,7 @@ CANDIDATES = ("tests/trace/test_light_candidates.py",)
 ENCLOSED = ("tests/raster/test_enclosed.py",)
 DEFERRED = ("tests/raster/test_deferred_maps.py", "tests/raster/test_deferred.py")
 MIXTURE = ("tests/estimate/test_combining.py", "tests/estimate/test_mixture.py")
+GROUND = ("tests/raster/test_ground_map.py", "tests/estimate/test_ground.py")
 ADAPTIVE = ("tests/trace/test_distribution.py", "tests/trace/test_schedule.py")
 
 _LOBE = "shaders/bsdf/pixel_lobe.glsl"
@@ -44,6 +45,7 @@ _SECOND = "shaders/raster/resolve_second.frag"
 _DEFERRED_GLSL = "shaders/raster/deferred.glsl"
 _BOXES = "viewer/raster/pixel_boxes.py"
 _NUMBERS = "viewer/raster/numbered_triangles.py"
+_GROUND, _GROUND_LIGHT = "viewer/raster/ground_map.py", "shaders/raster/ground_light.frag"
 _COMBINE = "viewer/trace/denoise/combine.py"
 _FAST = "viewer/trace/denoise/fast.py"
 _SHARES = "viewer/trace/paths/distribution.py"
@@ -279,4 +281,13 @@ PLANTED_ERRORS = [
     PlantedError("pixels are done after the pilot", _SCHEDULE, "[:height, :width] * deviation, LEAST)",
                  "[:height, :width] * deviation, PILOT)", ADAPTIVE),
     PlantedError("rounds grow without bound", _SCHEDULE, "min(GROWTH * total, limit)", "limit", ADAPTIVE),
+    # the map of the ground
+    PlantedError("shadows on the ground end below the model", _GROUND, "np.maximum(shift, 0)", "0.0 * shift", GROUND),
+    PlantedError("no margin for the filter of shadows on the ground", _GROUND, "margin = 0.02", "margin = 0.0", GROUND),
+    PlantedError("the ground sees the tiles beside a light's own", _GROUND_LIGHT, "is_outside ? 0.0 : ", "", GROUND),
+    PlantedError("the ground's map is turned", _GROUND_LIGHT, "vec3(from_map(s.x), from_map(s.y), 1.0)",
+                 "vec3(from_map(s.y), from_map(s.x), 1.0)", GROUND),
+    PlantedError("all lights of the ground have the same strength", "viewer/raster/ground.py",
+                 "luminance / max(self._light, 1e-300)", "luminance * 0 + 1 / len(luminance)", GROUND),
+    PlantedError("the ground's map of another environment", "viewer/raster/ground.py", "sky.rotation, ", "", GROUND),
 ]

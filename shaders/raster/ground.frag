@@ -1,6 +1,6 @@
 // The shadow of the model on the ground below it: black, with alpha
 //   1 - (light that arrives) / (light without the model),
-// by the lights' shadow maps and those of FAR_LIGHTS directional lights that stand for the environment.
+// by the lights' shadow maps and, with HAS_ENVIRONMENT, by the map of what is hidden of the environment's light.
 // The ground lies below all that casts shadows, so what a light's map holds at a point is always before it.
 #include "sample/luminance.glsl"
 #if LIGHT_COUNT > 0
@@ -9,19 +9,15 @@
 #if SHADOW_LAYERS > 0
 #include "light/shadow.glsl"
 #endif
+#if HAS_ENVIRONMENT
+#include "raster/ground_map.glsl"
+#endif
 
 uniform float u_height;      // of the ground, eye-relative
 uniform vec3 u_below;        // the point of the ground below the model's centre
-#if FAR_LIGHTS
-struct GroundLight {
-    vec4 u, v;      // rows of the matrix from a point relative to u_below to its tile, in (0, 1)
-    vec4 tile;      // its corner and its size in the atlas, in texture coordinates
-    vec4 luminance; // x: of the irradiance of the ground
-};
-layout(std140) uniform GroundLights {
-    GroundLight u_ground_lights[FAR_LIGHTS];
-};
-uniform sampler2DShadow u_atlas;
+#if HAS_ENVIRONMENT
+uniform float u_far_light;   // luminance of the irradiance of the ground by the environment
+uniform sampler2D u_hidden;  // the part of it that the model hides
 #endif
 
 noperspective in vec3 v_ray, v_ray_origin; // eye-relative
@@ -56,16 +52,11 @@ void main() {
         arrives += light;
     }
 #endif
-#if FAR_LIGHTS
-    vec4 q = vec4(p - u_below, 1.0);
-    for (int i = is_seen ? 0 : FAR_LIGHTS; i < FAR_LIGHTS; ++i) { // none above the horizon
-        GroundLight light = u_ground_lights[i];
-        vec2 c = vec2(dot(light.u, q), dot(light.v, q));
-        bool is_outside = min(c.x, c.y) < 0.0 || max(c.x, c.y) > 1.0;
-        all += light.luminance.x;
-        vec3 texel = vec3(light.tile.xy + c * light.tile.zw, 1.0);
-        arrives += light.luminance.x * (is_outside ? 1.0 : textureLod(u_atlas, texel, 0.0));
-    }
+#if HAS_ENVIRONMENT
+    vec3 q = p - u_below;
+    vec2 s = vec2(to_map(q.x), to_map(q.z));
+    all += u_far_light;
+    arrives += u_far_light * (1.0 - textureLod(u_hidden, 0.5 + 0.5 * s, 0.0).r);
 #endif
     o_color = vec4(0.0, 0.0, 0.0, is_seen && all > 0.0 ? clamp(1.0 - arrives / all, 0.0, 1.0) : 0.0);
 }

@@ -47,6 +47,7 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
                       half_target=half, orthographic=orthographic)
     if plan.ground is not None:
         yield "display/fullscreen.vert", plan.ground.fragment, plan.ground.switches
+        yield "raster/ground_light.vert", "raster/ground_light.frag", ()
     if plan.media is not None:
         for program in plan.media.programs:
             yield "display/fullscreen.vert", program.fragment, program.switches

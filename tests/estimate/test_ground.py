@@ -68,13 +68,14 @@ def test_a_sun_overhead_leaves_the_outline_of_a_plate(mode, scale, offset):
     np.testing.assert_allclose(alpha[known], at[known] < 0.5, atol=1e-5)
 
 
-@pytest.mark.parametrize(("mode", "bound"), [("pbr", 0.06), ("path", 0.06)])
-def test_a_sky_is_hidden_as_much_as_the_form_factor_of_a_plate(mode, bound):
+@pytest.mark.parametrize(("mode", "bound", "scale", "offset"), [
+    ("pbr", 0.06, 1.0, (0, 0, 0)), ("pbr", 0.06, 1e6, (1e9, 0, 2e9)), ("path", 0.06, 1.0, (0, 0, 0))])
+def test_a_sky_is_hidden_as_much_as_the_form_factor_of_a_plate(mode, bound, scale, offset):
     """That of a rectangle from the corner of which a point lies one unit away (Howell, C-11), four of which meet above
     the point."""
-    shown, camera = hovering(environment=constant()), from_above()
+    shown, camera = hovering(scale, offset, environment=constant()), from_above(scale, offset)
     alpha = shadow(shown, mode, camera, **({"spp": 128} if mode == "path" else {}))
-    at = seen(shown, camera)
+    at = (seen(shown, camera) - np.array(offset)[[0, 2]]) / scale
 
     def corner(a: float, b: float) -> float:
         return (a / sqrt(1 + a * a) * atan(b / sqrt(1 + a * a)) + b / sqrt(1 + b * b) * atan(a / sqrt(1 + b * b))

@@ -7,9 +7,7 @@ from collections.abc import Mapping
 from ..settings import Settings
 from .model import Program
 
-FAR_LIGHTS = 128
-"""The most directional lights that stand for the part of the environment above the ground. Each has a shadow map."""
-_LIGHTS = ("LIGHT_COUNT", "DIRECTIONAL_COUNT", "POINT_COUNT", "SHADOW_LAYERS", "SHADOW_PATTERN")
+_LIGHTS = ("LIGHT_COUNT", "DIRECTIONAL_COUNT", "POINT_COUNT", "SHADOW_LAYERS", "SHADOW_PATTERN", "HAS_ENVIRONMENT")
 
 
 def plan_ground(settings: Settings, common: Mapping[str, int], has_casters: bool) -> Program | None:
@@ -18,5 +16,4 @@ def plan_ground(settings: Settings, common: Mapping[str, int], has_casters: bool
     is_lit = common["LIGHT_COUNT"] > 0 or common["HAS_ENVIRONMENT"]
     if settings.ground == "off" or not has_casters or not is_lit:
         return None
-    return Program.of("raster/ground.frag", {name: common[name] for name in _LIGHTS} | {
-        "MEDIA": 0, "FAR_LIGHTS": FAR_LIGHTS * common["HAS_ENVIRONMENT"]})
+    return Program.of("raster/ground.frag", {name: common[name] for name in _LIGHTS} | {"MEDIA": 0})

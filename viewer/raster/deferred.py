@@ -54,8 +54,8 @@ class DeferredSurfaces:
     def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object],
              draw_behind: Callable[[], None]) -> Layers:
         """Clear `target` where something is drawn, draw them into its depth, within `Depth.test()`, and return their
-        radiance in pixels. With `Plan.is_over_layers` what lies behind all surfaces belongs to the layers: `draw_behind`
-        draws it into the framebuffer in use."""
+        radiance in pixels. With `Plan.is_over_layers` what lies behind all surfaces belongs to the layers:
+        `draw_behind` draws it into the framebuffer in use."""
         draws = [draw for draw in plan.draws if draw.is_deferred]
         layers = self._layers.get(lambda held: held.target is target,
                                   lambda: Layers(self._context, self._depth, target))

@@ -61,7 +61,7 @@ class Passes:
         self._wireframe = Wireframe(context, programs)
         self._grid = GridPass(context, programs, depth)
         self._vertices = BakedVertices(context, programs, prepared.surfaces.baked, watch)
-        self._ground = GroundPass(context, programs, depth, self._casters)
+        self._ground = GroundPass(context, programs, depth, self._casters, prepared.use_cache)
         self.layers = LayerPass(gl, depth, prepared, self.curves, self._uniforms, watch)
         self._deferred = DeferredSurfaces(context, programs, depth, prepared.surfaces)
         self._generation = prepared.generation
