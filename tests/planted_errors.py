@@ -21,12 +21,14 @@ GUIDE = ("tests/trace/test_caustic_rays.py", "tests/trace/test_caustic_guide.py"
 BACKGROUND = ("tests/shaders/test_bspline.py", "tests/trace/test_background_pictures.py")
 CANDIDATES = ("tests/trace/test_light_candidates.py",)
 ENCLOSED = ("tests/raster/test_enclosed.py",)
+TRANSMISSION = ("tests/raster/test_transmission.py",)
 DEFERRED = ("tests/raster/test_deferred_maps.py", "tests/raster/test_deferred.py")
 MIXTURE = ("tests/estimate/test_combining.py", "tests/estimate/test_mixture.py")
 GROUND = ("tests/raster/test_ground_map.py", "tests/estimate/test_ground.py")
 ADAPTIVE = ("tests/trace/test_distribution.py", "tests/trace/test_schedule.py")
 
 _LOBE = "shaders/bsdf/pixel_lobe.glsl"
+_GLASS = "shaders/raster/glass_reflectance.glsl"
 _LIGHT = "shaders/raster/shade_light.glsl"
 _WALK = "shaders/media/deep_walk.glsl"
 _ENDLESS = "shaders/trace/endless.glsl"
@@ -191,6 +193,12 @@ PLANTED_ERRORS = [
     PlantedError("a metal wall transmits", _ENCLOSED, "passed = (1.0 - metallic) *", "passed = 1.0 *", ENCLOSED),
     PlantedError("metalness of a wall from the wrong channel", _ENCLOSED, 'mapped("metallic_roughness", 2)',
                  'mapped("metallic_roughness", 1)', ENCLOSED),
+    PlantedError("a wall of glass reflects at one face", _GLASS, "F = 2.0 * F / (1.0 + F);", "F = F;", TRANSMISSION),
+    PlantedError("what is left of glass that transmits half is glass, too", _GLASS, "mix(s.f0, f0, transmission)", "f0",
+                 TRANSMISSION),
+    PlantedError("glass of an index near 1 has a rim", _GLASS, "min(max3(F) / max(w, 1e-6), s.f90)", "s.f90",
+                 TRANSMISSION),
+    PlantedError("glass reflects alike at all angles", _GLASS, "mu = 1.0 - pow(w, 0.2)", "mu = 0.29", TRANSMISSION),
     PlantedError("a wall's map of transmission ignored", _ENCLOSED,
                  'material.transmission * mapped("transmission", 0)', "material.transmission", ENCLOSED),
     PlantedError("walls that face the inside enclose, too", "viewer/scene/mesh.py", " and np.vdot(a, areas) > 0 else",

@@ -66,6 +66,16 @@ def test_black_glass_reflects_by_fresnels_equations_at_every_angle(renderer, ior
         assert found[:3] == pytest.approx(R if thickness else 2 * R / (1 + R), abs=0.01)
 
 
+def test_a_wall_that_transmits_half_reflects_half_by_schlicks_curve(renderer):
+    """The other half of it is opaque, and has one face."""
+    black = replace(GLASS, base_color=(0, 0, 0, 1), transmission=0.5)
+    model = scene((plate(), facing_floor()), materials=[black], environment=constant())
+    found = middle(renderer, model, orthographic(elevation=np.arcsin(0.3), height=0.2))
+    glass = fresnel(np.array([0.3]), 1.5)[0]
+    opaque = R + (1 - R) * 0.7**5
+    assert found[:3] == pytest.approx((2 * glass / (1 + glass) + opaque) / 2, abs=0.01)
+
+
 def test_rough_walls_reflect_as_facets_of_both_faces(renderer):
     """As the mean of 2 R / (1 + R) over the facets that are seen, from the path tracer."""
     black = replace(GLASS, base_color=(0, 0, 0, 1), perceptual_roughness=0.4)
