@@ -13,6 +13,7 @@ from viewer.base.resources import resource_folder
 from viewer.gpu.context import Context
 from viewer.raster.kept_maps import KeptMaps
 from viewer.raster.renderer import Renderer
+from viewer.raster.shadows import Atlas
 from viewer.settings import Settings
 
 CASES = {
@@ -50,3 +51,17 @@ def test_the_next_picture_is_whole(case: str, context: Context, monkeypatch: pyt
         with pytest.raises(KeyboardInterrupt):
             picture(renderer)
         np.testing.assert_array_equal(picture(renderer), expected, f"after draw {last} of {number}")
+
+
+def test_shadow_maps_that_are_broken_off_leave_no_offset(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would count for all pictures until the next maps are drawn, and those on disk are not drawn."""
+    scene = viewer.load(resource_folder("assets") / "scenes/lights.glb", environment="studio")
+    renderer, camera = Renderer(context, use_cache=False), scene.framing_camera(1.0)
+
+    def interrupt(self: Atlas, number: int) -> tuple[int, int]:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Atlas, "corner", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        renderer.render(scene, camera, Settings(environment_shadows="16"), (16, 16))
+    assert context.gl.polygon_offset == (0.0, 0.0)

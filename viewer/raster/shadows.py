@@ -87,9 +87,9 @@ class Atlas:
         framebuffer.use()
         framebuffer.clear(depth=1.0)
         gl.enable_only(moderngl.DEPTH_TEST)
-        gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: the rounding error of the depth map
         viewports = [(*self.corner(k), self.tile_size, self.tile_size) for k in range(len(tiles))]
         try:
+            gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: the rounding error of the depth map
             draw_meshes(framebuffer, viewports, scene, tiles, draws, casters.prepare_mesh)
             for viewport, tile in zip(viewports, tiles, strict=True):
                 framebuffer.viewport = viewport
