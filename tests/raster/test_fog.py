@@ -228,6 +228,21 @@ def test_no_light_off_a_floor_comes_through_a_ceiling(radiance):
     assert sent(floor, ceiling) < 0.05 * sent(floor)
 
 
+def test_no_light_that_fog_scatters_comes_out_of_a_closed_room(radiance):
+    """Dense fog around a black box with a lamp in it, which shines out once its front is open."""
+    axes = np.eye(4)[[1, 2, 0, 3]]
+    places = [turn @ moved((0, 0, side)) for turn in (axes, axes @ axes, np.eye(4)) for side in (-0.5, 0.5)]
+    camera = orthographic(azimuth=0.4, height=4.0)
+
+    def seen(count: int) -> float:
+        model = scene(*((plate(half=0.5), place) for place in places[:count]),
+                      materials=[replace(BLACK, double_sided=True)],
+                      lights=(replace(LAMP, position=(0.0, 0.0, 0.1)),))
+        return radiance(model, camera, SIZE, fog=2.0, fog_albedo=(1, 1, 1), background="none")[..., :3].mean()
+
+    assert seen(6) < 0.02 * seen(5)
+
+
 def test_meshes_send_light_by_the_means_of_their_textures(radiance):
     """Fog between two lids, which are not in the picture: a textured one sends as much as one of its mean colour."""
     texels = noise(16, 16, 3, 1) // np.uint8([1, 2, 8])
