@@ -16,8 +16,9 @@ class PlantedError(Mutation):
 
 PIXEL_LOBE = ("tests/shaders/test_pixel_lobe.py", "tests/raster/test_lights.py", "tests/raster/test_normal_spread.py",
               "tests/raster/test_clearcoat.py")
-DEEP_MEDIA = ("tests/shaders/test_deep_walk.py", "tests/trace/test_deep_media.py")
-GUIDE = ("tests/trace/test_caustic_rays.py", "tests/trace/test_caustic_guide.py")
+DEEP_MEDIA = ("tests/shaders/test_deep_walk.py", "tests/shaders/test_endless.py", "tests/trace/test_deep_media.py")
+GUIDE = ("tests/trace/test_caustic_rays.py", "tests/trace/test_guided_surfaces.py",
+         "tests/trace/test_caustic_guide.py")
 BACKGROUND = ("tests/shaders/test_bspline.py", "tests/trace/test_background_pictures.py")
 CANDIDATES = ("tests/trace/test_light_candidates.py",)
 ENCLOSED = ("tests/raster/test_enclosed.py",)

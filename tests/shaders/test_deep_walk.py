@@ -8,6 +8,7 @@ from numpy.polynomial.legendre import leggauss, legvander
 
 from viewer.scene.medium import Medium
 from viewer.scene.phase import spectrum
+from viewer.trace.layout import MEDIA_REACH
 from viewer.trace.scene.deep_media import decay, first_step
 
 ALBEDO = 0.999
@@ -17,15 +18,17 @@ MU, WEIGHTS = leggauss(6)
 """Cosines of the path's directions to the z axis"""
 U_X, U_Z = 64, 16
 DEFINES = {"HAS_FOG": 0, "HAS_PUNCTUAL": 0, "CLEARANCE_STEPS": 1.0}
-WALK = """
+PATHS = """
 struct Path { vec3 origin, direction, throughput; float pdf; int steps, medium; };
 struct Sample { vec3 u; };
 const int FLIGHT_GROUP = 0;
+int innermost(int medium) { return medium; }
+vec4 vertex_numbers(Sample s, Path p, int group) { return vec4(s.u, 0.0); }
+"""
+WALK = PATHS + """
 uniform vec4 record, first;
 uniform float room;
 int times = 0;
-int innermost(int medium) { return medium; }
-vec4 vertex_numbers(Sample s, Path p, int group) { return vec4(s.u, 0.0); }
 #define scene_float4(i) ((i) % 2 == 0 ? record : first)
 #define clear_radius(p) (times++ < 2 ? room : 0.0)
 #include "media/deep_walk.glsl"
@@ -68,3 +71,39 @@ def test_after_a_long_step_a_path_goes_anywhere(evaluate):
     assert np.linalg.norm(goes[:, :3], axis=1) == pytest.approx(1, abs=1e-5)
     assert goes[:, :3].T @ goes[:, :3] / len(goes) == pytest.approx(np.eye(3) / 3, abs=1e-3)
     assert np.abs(goes[:, :3].mean(axis=0)).max() < 1e-5 and (goes[:, 3] == 0).all()
+
+
+ROOM_ABOUT = PATHS + """
+const int u_punctual = 0, u_punctual_count = 1, u_fog = 1;
+uniform float around, beside;
+uniform vec4 lamp;
+#define scene_float4(i) ((i) == 0 ? lamp : vec4(0.25))
+#define clear_radius(p) around
+#define beside_clearance(p) beside
+#include "media/deep_walk.glsl"
+"""
+
+
+def room_about(evaluate, points, medium: int, lamp=(0.0, 0.0, 0.0, -1.0), fog=0, **lengths: float):
+    """Of points, (N, 3), of which surfaces are `around` far or their grid is `beside` far; the base of the fog lies at
+    a height of 0.25."""
+    defines = DEFINES | {"HAS_FOG": fog, "HAS_PUNCTUAL": 1, "MEDIA_REACH": MEDIA_REACH}
+    rows = np.column_stack([points, np.full(len(points), float(medium))])
+    uniforms = {name: np.array(value) for name, value in lengths.items()} | {"lamp": np.array(lamp)}
+    return evaluate("media/clearance", "vec4(room_about(i.xyz, int(i.w)))", rows, ROOM_ABOUT, defines, **uniforms)[:, 0]
+
+
+@pytest.mark.parametrize("lamp", [(0.3, 0.0, 0.0, 5.0), (0.3, 0.0, 0.0, 0.0), (0.3, 0.0, 0.0, -1.0)])
+def test_long_steps_end_before_lamps(evaluate, lamp):
+    """Not before suns, whose fourth number is below 0."""
+    found = room_about(evaluate, [(0.1, 0.0, 0.0), (-0.9, 0.0, 0.0)], 1, around=0.8, lamp=lamp)
+    assert found == pytest.approx([0.2, 0.8] if lamp[3] >= 0 else [0.8, 0.8], abs=1e-6)
+
+
+@pytest.mark.parametrize("fog, beside, expected", [(1, 0.0, (0.2, 0.2, 0.05)), (1, 0.4, (0.4, 0.4, 0.05)),
+                                                   (2, 0.0, (0.1, -0.1, 0.05)), (2, 0.4, (0.1, -0.1, 0.05))])
+def test_long_steps_stay_in_the_fog(evaluate, fog, beside, expected):
+    """Within its sphere, beside all surfaces by how far their grid is, and below the base where it thins out above."""
+    points = [(0.0, 0.15, 0.0), (0.0, 0.35, 0.0), (MEDIA_REACH - 0.05, 0.0, 0.0)]
+    found = room_about(evaluate, points, 0, fog=fog, around=0.2, beside=beside)
+    assert found == pytest.approx(expected, abs=1e-5)

@@ -6,23 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from harness import evaluate
+from guided import ABOVE, CENTER, LAMP, METAL, RADIUS, Guided, cells_of, with_ball
 from needs import needs
-from test_light_sampling import FLOOR, place, scene_of
+from test_light_sampling import FLOOR, place
 
 from viewer.measure.check.chi_squared import critical_value, statistic
-from viewer.plan.bsdf_switches import bsdf_switches
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
-from viewer.scene.mesh import Mesh
-from viewer.scene.scene import Instance, Scene
+from viewer.scene.scene import Scene
 from viewer.settings import Settings
-from viewer.trace.layout import GUIDE_CELLS, GUIDE_STEPS
+from viewer.trace.layout import GUIDE_CELLS
 from viewer.trace.scene import caustic_guide
-from viewer.trace.scene.caustic_guide import CausticGuide, caster_table, place_of, square_of
-from viewer.trace.scene.caustic_rays import casters_of, caustic_rays
+from viewer.trace.scene.caustic_guide import CausticGuide, place_of, square_of
+from viewer.trace.scene.caustic_rays import caustic_rays
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.lights import SceneLights
 from viewer.trace.scene.scene_buffer import SceneBufferBuilder
@@ -31,88 +29,11 @@ from viewer.trace.scene.traced_scene import plan_without_device
 from viewer.trace.tracer import Tracer
 
 pytestmark = needs("embree")
-METAL = Material("metal", metallic=1.0, perceptual_roughness=0.1)
-LAMP = Material("lamp", emissive=(60.0, 60.0, 60.0))
-ABOVE = place(-0.5, 1.0, 0.0, (0.2, 1.0, 0.2), np.pi)  # shines down
-CENTER, RADIUS = np.array([0.5, -0.5, 0.0]), 0.4
-
-
-def with_ball(material: Material, *placed: tuple[Material, np.ndarray]) -> Scene:
-    """Quads, and a ball of `material`."""
-    scene, rings, segments = scene_of(*placed), 12, 24
-    theta, phi = np.meshgrid(np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, segments + 1), indexing="ij")
-    points = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), -np.sin(theta) * np.sin(phi)], -1).reshape(-1, 3)
-    at = (np.arange(rings)[:, None] * (segments + 1) + np.arange(segments)).ravel()
-    below = at + segments + 1
-    corners = np.stack([at, below, at + 1, at + 1, below, below + 1], -1).ravel().astype(np.uint32)
-    ball = Mesh("ball", points.astype(np.float32), len(placed), indices=corners, normals=points.astype(np.float32))
-    matrix = np.diag([RADIUS, RADIUS, RADIUS, 1.0])
-    matrix[:3, 3] = CENTER
-    return Scene("ball", (*scene.meshes, ball), (*scene.materials, material),
-                 (*scene.instances, Instance(len(placed), matrix)))
-
-
-class Guided:
-    """The guide of a scene, on the GPU and in float64."""
-
-    def __init__(self, context, folder) -> None:
-        self.context, self.folder = context, folder
-        self.scene = with_ball(METAL, FLOOR, (LAMP, ABOVE))
-        geometry = trace_geometry(self.scene)
-        self.data = SceneData(context, self.scene, geometry)
-        lights = SceneLights(context, self.scene, geometry, self.data.buffer, Settings())
-        self.guide = CausticGuide(self.scene, geometry, self.data.buffer, lights)
-        self.data.upload()
-        from viewer.trace.rays.embree_triangles import EmbreeTriangles
-
-        self.casters = casters_of(geometry, 0.6, 4)
-        rays = caustic_rays(self.scene, geometry, EmbreeTriangles(geometry), self.casters, *lights.emitters, None)
-        self.table = caster_table(self.casters[0], 0, rays)
-
-    def run(self, body: str, rows: np.ndarray, outputs: int = 1) -> np.ndarray:
-        def bind(program) -> None:
-            self.data.bind(program)
-            for name, value in self.guide.uniforms.items():
-                program[name] = value
-        switches = self.data.switches | self.guide.switches | bsdf_switches(Settings())
-        (self.folder / "guide.glsl").write_text('#include "trace/scene_buffer.glsl"\n'
-                                                '#include "trace/caustic_guide.glsl"\n')
-        return evaluate(self.context, self.folder, "guide.glsl", body, rows.astype(np.float32), outputs, switches, bind)
-
-    def to_tracer(self, p: np.ndarray) -> np.ndarray:
-        return (p - self.scene.center) / self.scene.radius
-
-    def density(self, p: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """By solid angle, from the point (3,) in tracer space"""
-        caster = self.casters[0]
-        away = np.tile(p - caster.center, (len(direction), 1))
-        distance = np.linalg.norm(away[0])
-        away /= distance
-        ratio = caster.radius / distance
-        square = square_of(np.full(len(away), ratio), away, direction)
-        column, row = np.minimum(square * GUIDE_CELLS, GUIDE_CELLS - 1).astype(int).T
-        inside = ((square > 0) & (square < 1)).all(axis=1)
-        weights = self.table.weights[place_of(away)[0]]
-        spread = 1 - np.sqrt(1 - ratio**2)
-        # Lambert's azimuthal map has the area of the directions, times a factor; the square's edges are 2 * spread away
-        return inside * cells_of(weights)[row * GUIDE_CELLS + column] * GUIDE_CELLS**2 / (8 * spread)
-
-
-def cells_of(weights: np.ndarray) -> np.ndarray:
-    """The probabilities of cells with these weights; those that the disk does not touch have none."""
-    edges = np.linspace(-1, 1, GUIDE_CELLS + 1)
-    nearest = np.where(edges[:-1] >= 0, edges[:-1], -edges[1:]).clip(0)
-    on_disk = (nearest[:, None] ** 2 + nearest**2 < 1).ravel()
-    weights = weights * on_disk
-    exact = (1 - caustic_guide.FLOOR) * weights / weights.sum() + caustic_guide.FLOOR * on_disk / on_disk.sum()
-    rounded = caustic_guide.cell_steps(weights[None])[0] / GUIDE_STEPS
-    assert rounded.sum() == 1 and not rounded[~on_disk].any() and np.abs(rounded - exact).max() < 1.01 / GUIDE_STEPS
-    return rounded
 
 
 @pytest.fixture(scope="module")
 def guided(context, tmp_path_factory) -> Guided:
-    return Guided(context, tmp_path_factory.mktemp("guide"))
+    return Guided(context, tmp_path_factory.mktemp("guide"), with_ball(METAL, FLOOR, (LAMP, ABOVE)))
 
 
 @pytest.fixture(scope="module")
@@ -138,11 +59,11 @@ def test_directions_have_their_density(guided, lit_point) -> None:
     assert np.mean(np.abs(pdf / expected - 1) < 1e-4) > 0.999  # others lie on edges of cells
     away = guided.to_tracer(CENTER) - lit_point
     distance = np.linalg.norm(away)
-    square = square_of(np.full(count, guided.casters[0].radius / distance), np.tile(-away / distance, (count, 1)),
+    square = square_of(np.full(count, guided.tables[0].caster.radius / distance), np.tile(-away / distance, (count, 1)),
                        direction)
     column, row = np.minimum(square * GUIDE_CELLS, GUIDE_CELLS - 1).astype(int).T
     counts = np.bincount(row * GUIDE_CELLS + column, minlength=GUIDE_CELLS**2)
-    weights = guided.table.weights[place_of(-away[None] / distance)[0]]
+    weights = guided.tables[0].weights[place_of(-away[None] / distance)[0]]
     cells = cells_of(weights)
     chi2, freedom = statistic(counts.astype(float), cells * count)
     assert chi2 < critical_value(freedom, 1)
@@ -160,7 +81,7 @@ def test_density_is_that_of_float64(guided, lit_point) -> None:
 
 def test_extremes_are_finite(guided) -> None:
     """Inside the caster, at its middle, just outside, far away, and on its axis."""
-    rng, center, radius = np.random.default_rng(3), guided.to_tracer(CENTER), guided.casters[0].radius
+    rng, center, radius = np.random.default_rng(3), guided.to_tracer(CENTER), guided.tables[0].caster.radius
     away = rng.normal(size=(4000, 3))
     away /= np.linalg.norm(away, axis=1)[:, None]
     distance = radius * np.repeat([0.0, 0.5, 1 + 1e-6, 1.001, 1e4, 1e9, 1e15, 1e18], 500)

@@ -19,7 +19,8 @@ from viewer.scene.phase import spectrum
 from viewer.scene.volume import Volume
 from viewer.settings import Settings
 from viewer.trace import defines
-from viewer.trace.scene.deep_media import decay, first_step
+from viewer.trace.scene.deep_media import MARGIN, decay, deep_media, first_step
+from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.traced_scene import plan_without_device
 
 INSIDE = replace(Camera.orbit((0, 0, 0), 2.0, 0.3, 0.2), fov_y=1.0)
@@ -135,3 +136,18 @@ def test_only_deep_white_media_have_its_code():
     for settings, expected in (({"fog": 100.0}, 1), ({"fog": 1.0}, 0), ({"fog": 100.0, "fog_albedo": (0.9,) * 3}, 0)):
         plan = plan_without_device(model, Settings.of(mode="path", **settings))
         assert plan.programs["medium"]["HAS_DEEP_MEDIA"] == expected
+
+
+@pytest.mark.parametrize("g, way", [(0.0, 1.0), (0.6, 2.5), (-0.5, 1.0)])
+def test_long_steps_stay_as_far_away_as_light_goes_on(g, way):
+    """A mean free path, or the transport mean free path 1 / (1 - g)."""
+    geometry = trace_geometry(scene(box((1.0, 1.0, 1.0)), materials=[fog(100.0, 1.0, g)]))
+    (record,) = deep_media(geometry).values()
+    assert record[0, 3] == pytest.approx(MARGIN * way / (100 * geometry.unit), rel=1e-5)
+
+
+@pytest.mark.parametrize("g, is_deep", [(0.0, True), (0.6, False)])
+def test_channels_that_go_on_apart_take_no_long_steps(g, is_deep):
+    """One first step is for all channels, and where light is scattered evenly there is none."""
+    model = scene(box((1.0, 1.0, 1.0)), materials=[fog((100.0, 200.0, 100.0), 1.0, g)])
+    assert bool(deep_media(trace_geometry(model))) == is_deep
