@@ -191,38 +191,42 @@ def test_meshes_hide_the_sky_from_fog(radiance):
 
 
 LAMP = Light("point", intensity=3.0, position=(0.2, 0.8, 0.1))
+SUN = Light("directional", intensity=3.0, direction=(0, -1, 0))
 
 
-@pytest.mark.parametrize("light", [LAMP, Light("directional", intensity=3.0, direction=(0, -1, 0))],
-                         ids=lambda light: light.kind)
-def test_a_lit_floor_lights_thin_fog(radiance, light):
-    """What a grey floor reflects of a light, scattered once in a row of pixels above it, by quadrature over the floor.
-    A black floor sends nothing; its picture is that of the light itself in the fog."""
+@pytest.mark.parametrize("lights, sigma", [((LAMP,), 1e-3), ((LAMP, SUN), 1e-3), ((LAMP,), 0.15)],
+                         ids=["lamp", "lamp and sun", "lamp in dense fog"])
+def test_a_lit_floor_lights_fog(radiance, lights, sigma):
+    """What a grey floor reflects of lights, scattered once in a row of pixels above it, by quadrature over the floor.
+    A black floor sends nothing; its picture is that of the lights themselves in the fog."""
     camera = replace(orthographic(height=0.02), pose=moved((0, 0.3, 5)))
-    grey, black = (radiance(scene((plate(), facing_floor()), materials=[material], lights=(light,)), camera, (1, 1),
-                            fog=1e-3, media_scattering="single", background="none", **FINE)[0, 0, :3]
+    grey, black = (radiance(scene((plate(), facing_floor()), materials=[material], lights=lights), camera, (1, 1),
+                            fog=sigma, media_scattering="single", background="none", **FINE)[0, 0, :3]
                    for material in (GREY, BLACK))
     side = (np.arange(40) + 0.5) / 20 - 1
     floor = np.stack(np.meshgrid(side, [0.0], side, indexing="ij"), axis=-1).reshape(-1, 3)
-    to_light = light.position - floor
-    distance = np.linalg.norm(to_light, axis=1)
-    irradiance = 3.0 * (to_light[:, 1] / distance**3 if light.kind == "point" else np.ones(len(floor)))
-    z = np.linspace(-6, 6, 200)
+    to_lamp = LAMP.position - floor
+    distance = np.linalg.norm(to_lamp, axis=1)
+    irradiance = 3.0 * (to_lamp[:, 1] / distance**3 * np.exp(-sigma * distance) + (SUN in lights))
+    end = REACH * np.sqrt(2)  # of the fog, on both sides
+    z = np.linspace(-end, end, 200)
     away = np.stack([0 * z, 0 * z + 0.3, z], axis=-1)[:, None] - floor
-    solid_angles = away[..., 1] / np.linalg.norm(away, axis=-1)**3 * 4 / len(floor)
-    sent = (0.5 / np.pi * irradiance * solid_angles).sum(axis=1) / (4 * np.pi)
-    assert grey - black == pytest.approx(np.full(3, 1e-3 * np.trapezoid(sent, z)), rel=0.05)
+    way = np.linalg.norm(away, axis=-1)
+    solid_angles = away[..., 1] / way**3 * 4 / len(floor)
+    sent = (0.5 / np.pi * irradiance * solid_angles * np.exp(-sigma * way)).sum(axis=1) / (4 * np.pi)
+    expected = sigma * np.trapezoid(sent * np.exp(-sigma * (end - z)), z)
+    assert grey - black == pytest.approx(np.full(3, expected), rel=0.05)
 
 
 def test_no_light_off_a_floor_comes_through_a_ceiling(radiance):
-    """A lamp is between both, and the fog above is looked at from above."""
-    camera = Camera.orbit((0, 0, 0), 5.0, 0.0, np.pi / 2)
+    """A lamp is between both. The fog far above the ceiling is looked at from the side, past all surfaces."""
+    camera = replace(orthographic(height=0.02), pose=moved((0, 3.0, 5)))
     floor, ceiling = ((plate(half=2.0), facing_floor(y=y)) for y in (-0.5, 1.0))
 
     def sent(*meshes) -> float:
         grey, black = (radiance(scene(*meshes, materials=[replace(material, double_sided=True)], lights=(LAMP,)),
-                                replace(camera, height=0.1), (1, 1), fog=1e-3, media_scattering="single",
-                                background="none", **FINE)[0, 0, 0] for material in (GREY, BLACK))
+                                camera, (1, 1), fog=1e-3, media_scattering="single", background="none",
+                                **FINE)[0, 0, 0] for material in (GREY, BLACK))
         return grey - black
 
     assert sent(floor, ceiling) < 0.05 * sent(floor)
