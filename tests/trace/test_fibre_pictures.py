@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from needs import needs
-from pictures import halves, picture
+from pictures import picture
 from shapes import constant, facing_floor, moved, orthographic, plate, scene, sphere
 from strands import straight, strands
 
@@ -52,22 +52,22 @@ def fresnel(cosine: np.ndarray, eta: float) -> np.ndarray:
 def test_white_fibres_lose_no_light(either: Tracer) -> None:
     """Nothing is absorbed, and light comes from everywhere: however often paths are scattered, radiance is 1."""
     shown = tuft()
-    found = halves(either, shown, seen_from(shown), SMALL, spp=32, **WHITE_HAIR)
-    assert found.mean.mean() == pytest.approx(1, abs=0.004)
+    found = picture(either, shown, seen_from(shown), SMALL, spp=32, **WHITE_HAIR)
+    assert found[..., :3].mean() == pytest.approx(1, abs=0.004)
 
 
 @pytest.mark.parametrize("settings", [{"fog": 0.5, "fog_g": 0.5}, {"fog": 1.0, "fog_height": 0.5}])
 def test_white_fibres_in_white_fog_lose_no_light(either: Tracer, settings: dict[str, object]) -> None:
     shown = tuft()
-    found = halves(either, shown, seen_from(shown), (16, 16), spp=16, **WHITE_HAIR, **settings)
-    assert found.mean.mean() == pytest.approx(1, abs=0.012)
+    found = picture(either, shown, seen_from(shown), (16, 16), spp=16, **WHITE_HAIR, **settings)
+    assert found[..., :3].mean() == pytest.approx(1, abs=0.012)
 
 
 def test_white_fibres_in_glass_lose_no_light(either: Tracer) -> None:
     shown = scene((sphere(), moved((0, 0, 0), 3.0)), materials=[GLASS], environment=constant())
     shown = replace(shown, curves=tuft().curves)
-    found = halves(either, shown, Camera.orbit((0, 0, 0), 9.0, 0.3, 0.2), (16, 16), spp=16, **WHITE_HAIR)
-    assert found.mean.mean() == pytest.approx(1, abs=0.012)
+    found = picture(either, shown, Camera.orbit((0, 0, 0), 9.0, 0.3, 0.2), (16, 16), spp=16, **WHITE_HAIR)
+    assert found[..., :3].mean() == pytest.approx(1, abs=0.012)
 
 
 @pytest.mark.parametrize("radius", [0.2, 1e-3, 1e-5])
@@ -118,7 +118,7 @@ def test_what_shows_through_open_alpha_is_hair(either: Tracer) -> None:
     plates = scene((plate(), moved((0, 0, 1.2), 0.4)), (plate(), moved((0, 0, -1.2), 0.4)), materials=[clear, clear],
                    environment=constant())
     both = replace(plates, curves=shown.curves)
-    found = [halves(either, scene_, seen_from(both), (16, 16), spp=32, hair_melanin=(0.3, 0.1)).mean.mean()
+    found = [picture(either, scene_, seen_from(both), (16, 16), spp=32, hair_melanin=(0.3, 0.1))[..., :3].mean()
              for scene_ in (replace(both, instances=(), meshes=(), materials=()), both)]
     assert found[1] == pytest.approx(found[0], rel=0.02)
 

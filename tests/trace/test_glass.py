@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pictures import halves
+from pictures import picture
 from shapes import constant, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
@@ -39,7 +39,7 @@ def box(x: float, y: float, z: float) -> Mesh:
 
 
 def mean(tracer, model: Scene, camera: Camera = FRONT, spp: int = 64, **settings) -> np.ndarray:
-    return halves(tracer, model, camera, (16, 16), spp=spp, **settings).mean.mean(axis=(0, 1))
+    return picture(tracer, model, camera, (16, 16), spp=spp, **settings)[..., :3].mean(axis=(0, 1))
 
 
 def test_a_wall(tracer):
@@ -126,7 +126,7 @@ def test_lights_and_lobes_agree(tracer):
     """Rough glass in front of a small bright patch, which both BSDF samples and light samples find."""
     model = scene(plate(half=4.0), materials=[replace(GLASS, perceptual_roughness=0.6, double_sided=True)],
                   environment=lit(behind=True))
-    both = halves(tracer, model, FRONT, (16, 16), spp=256, multiscatter="off")
+    pixels = picture(tracer, model, FRONT, (16, 16), spp=256, multiscatter="off")[..., :3]
     # By quadrature over the environment's texels, T' D V cos
     from viewer.measure.check.lobes import LOBES
 
@@ -138,7 +138,7 @@ def test_lights_and_lobes_agree(tracer):
     rows = np.pi * np.arange(65) / 64
     solid_angle = np.repeat(np.cos(rows[:-1]) - np.cos(rows[1:]), 128) * 2 * np.pi / 128
     expected = (f[:, None] * environment.radiance.reshape(-1, 3) * (np.abs(d[:, 2]) * solid_angle)[:, None]).sum(axis=0)
-    assert both.mean.mean(axis=(0, 1)) == pytest.approx(expected, rel=0.02)
+    assert pixels.mean(axis=(0, 1)) == pytest.approx(expected, rel=0.02)
 
 
 def test_without_specular_nothing_reflects(tracer):
@@ -178,12 +178,12 @@ def test_dispersion_parts_the_colours_of_white_light(tracer):
     dispersion, or with wavelengths that are not weighted by colour, all is grey."""
     sky = np.repeat(texel_directions(32, 64)[..., :1] > 0, 3, axis=-1).astype(np.float32)
 
-    def picture(dispersion: float) -> np.ndarray:
+    def seen(dispersion: float) -> np.ndarray:
         ball = replace(GLASS, thickness=1.0, dispersion=dispersion)
         model = scene(sphere(segments=96), materials=[ball], environment=Environment("halves", sky))
-        return halves(tracer, model, orthographic(0.0, 0.0, height=2.0), (16, 16), spp=128).mean
+        return picture(tracer, model, orthographic(0.0, 0.0, height=2.0), (16, 16), spp=128)[..., :3]
 
-    grey, rainbow = picture(0.0), picture(8.0)
+    grey, rainbow = seen(0.0), seen(8.0)
     assert np.abs(grey[..., 0] - grey[..., 2]).max() < 1e-5
     parted = rainbow[..., 2] - rainbow[..., 0]
     assert np.abs(parted).max() > 0.2

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fog_truth import optical_depth, rays, single_scattering
-from pictures import halves, picture
+from pictures import picture
 from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
@@ -38,7 +38,7 @@ LAMP = Light("point", intensity=2.0, position=(0.4, 0.5, 0.3))
 def test_a_white_furnace_stays_white(tracer, camera, settings):
     """Fog and a surface that absorb nothing, under light from everywhere."""
     model = scene(sphere(segments=48), environment=constant())
-    found = halves(tracer, model, camera, FEW, spp=64, bounces=255, **settings).mean
+    found = picture(tracer, model, camera, FEW, spp=64, bounces=255, **settings)[..., :3]
     assert found.mean() == pytest.approx(1, abs=0.012)
 
 
@@ -78,7 +78,7 @@ def test_light_scattered_once(tracer, camera, light, height):
     narrow = replace(camera, height=0.1) if camera.height else replace(camera, fov_y=0.02)
     start, direction = rays(narrow, FEW)
     expected = single_scattering(fog, light, start, direction, 30.0).mean()
-    found = halves(tracer, model, narrow, FEW, spp=256, **settings).mean.mean()
+    found = picture(tracer, model, narrow, FEW, spp=256, **settings)[..., :3].mean()
     assert found == pytest.approx(expected, rel=0.015)
 
 
@@ -138,7 +138,7 @@ def test_both_intersectors_trace_the_same(context):
     for intersector in ("embree", "bvh"):
         tracer = Tracer(context, intersector=intersector)
         camera = Camera.look_at((1, 1, 4), (0, 0, 0))
-        pictures.append(halves(tracer, everything(), camera, (12, 12), spp=8, fog=0.3, fog_height=0.5).mean)
+        pictures.append(picture(tracer, everything(), camera, (12, 12), spp=8, fog=0.3, fog_height=0.5)[..., :3])
         tracer.release()
     assert np.median(np.abs(pictures[0] - pictures[1])) < 1e-4  # rounding sends few paths another way
     assert pictures[0].mean() == pytest.approx(pictures[1].mean(), rel=0.01)
@@ -152,9 +152,9 @@ def test_the_scale_of_the_scene_does_not_matter(tracer, scale):
         replace(lamp, intensity=2.0 * scale**2, position=tuple(scale * np.array(lamp.position))),))
     camera, far = (Camera.orbit((0, 0, 0), 2.8 * s, 0.3, 0.2) for s in (1.0, scale))
     settings = {"fog_height": 0.7, "fog": 0.4, "fog_g": 0.3}
-    expected = halves(tracer, model, camera, FEW, spp=64, **settings).mean.mean()
-    found = halves(tracer, big, far, FEW, spp=64, **settings | {"fog": 0.4 / scale, "fog_height": 0.7 * scale})
-    assert found.mean.mean() == pytest.approx(expected, rel=0.015)
+    expected = picture(tracer, model, camera, FEW, spp=64, **settings)[..., :3].mean()
+    found = picture(tracer, big, far, FEW, spp=64, **settings | {"fog": 0.4 / scale, "fog_height": 0.7 * scale})
+    assert found[..., :3].mean() == pytest.approx(expected, rel=0.015)
 
 
 @pytest.mark.parametrize("settings", [
