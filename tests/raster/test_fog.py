@@ -247,6 +247,14 @@ def test_no_light_that_fog_scatters_comes_out_of_a_closed_room(radiance):
     assert seen(6) < 0.02 * seen(5)
 
 
+def test_the_strongest_lamp_lights_fog_as_others_do(radiance):
+    """In proportion to its light, also where fog scatters that again, close to the lamp."""
+    weak, strong = (radiance(scene((plate(half=2.0), facing_floor()), lights=(replace(LAMP, intensity=intensity),)),
+                             perspective(5.0, (0, 0.5, 0)), SIZE, fog=0.35, background="none")[..., :3]
+                    for intensity in (1.0, 1e30))
+    assert strong / 1e30 == pytest.approx(weak, rel=1e-3)
+
+
 def test_meshes_send_light_by_the_means_of_their_textures(radiance):
     """Fog between two lids, which are not in the picture: a textured one sends as much as one of its mean colour."""
     texels = noise(16, 16, 3, 1) // np.uint8([1, 2, 8])

@@ -169,7 +169,7 @@ def _between_cells(light: np.ndarray) -> np.ndarray:
 
 
 def _finite(light: np.ndarray) -> np.ndarray:
-    return np.clip(np.nan_to_num(light, nan=0.0), -1e30, 1e30)
+    return np.clip(np.nan_to_num(light, nan=0.0), -1e36, 1e36)  # a lamp has up to 1e30, and more close to it
 
 
 def _cubes(gl: moderngl.Context, side: int, count: int) -> moderngl.Texture3D:
