@@ -134,7 +134,8 @@ Path read_path(ivec2 texel, uvec4 hit) {
 #endif
 #if HAS_SCATTERING || HAS_PANES
     vec4 along = texelFetch(u_along, texel, 0);
-    p.radiance = radiance.rgb + (has_shadow_ray ? along.rgb * pending : vec3(0.0));
+    // Also without a shadow ray: NaN in u_along spoils the sample (trace/track.frag).
+    p.radiance = radiance.rgb + along.rgb * (has_shadow_ray ? pending : vec3(0.0));
 #endif
 #if HAS_SCATTERING
     p.reach = along.w;

@@ -252,7 +252,8 @@ def test_an_environment_that_comes_back_is_baked_again(renderer):
 
 
 def test_light_that_is_baked_anew_for_a_pose_compiles_nothing(context, work):
-    materials = [Material((0.9, 0.2, 0.1, 1.0), metallic=0.0, perceptual_roughness=0.3), Material(metallic=0.0)]
+    materials = [Material(base_color=(0.9, 0.2, 0.1, 1.0), metallic=0.0, perceptual_roughness=0.3),
+                 Material(metallic=0.0)]
     before = scene(plate(0), (plate(1), facing_floor(y=-1.0)), materials=materials, environment=lopsided())
     after = replace(before, instances=(replace(before.instances[0], transform=moved((0.3, -0.2, -0.4))),
                                        before.instances[1]))
@@ -267,7 +268,7 @@ def test_light_that_is_baked_anew_for_a_pose_compiles_nothing(context, work):
 
 def test_indirect_light_follows_the_instances(context):
     """Its buffers are those of instances, the meshes' buffers stay."""
-    materials = [Material((0.9, 0.2, 0.1, 1.0), metallic=0.0), Material(metallic=0.0)]
+    materials = [Material(base_color=(0.9, 0.2, 0.1, 1.0), metallic=0.0), Material(metallic=0.0)]
     before = scene(plate(0), (plate(1), facing_floor(y=-1.0)), materials=materials, environment=lopsided())
     moving = replace(before.instances[0], transform=moved((0.3, -0.2, -0.4)))
     after = replace(before, instances=(before.instances[1], moving))

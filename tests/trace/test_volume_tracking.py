@@ -109,7 +109,7 @@ class Shown:
 
 def shown(context, folder, density, extinction=1.0, matrix=None):
     volume = Volume("smoke", density, affine() if matrix is None else matrix)
-    return Shown(context, folder, Scene((), (), (), volumes=(volume,)), extinction)
+    return Shown(context, folder, Scene("smoke", volumes=(volume,)), extinction)
 
 
 @pytest.fixture
