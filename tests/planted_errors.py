@@ -199,6 +199,8 @@ PLANTED_ERRORS = [
                  TRANSMISSION),
     PlantedError("glass of an index near 1 has a rim", _GLASS, "min(max3(F) / max(w, 1e-6), s.f90)", "s.f90",
                  TRANSMISSION),
+    PlantedError("lamps are reflected by glass as at the angle of view", "shaders/raster/pbr.frag",
+                 "view.dielectric.f0 = lamp_f0;", "", TRANSMISSION),
     PlantedError("glass reflects alike at all angles", _GLASS, "mu = 1.0 - pow(w, 0.2)", "mu = 0.29", TRANSMISSION),
     PlantedError("a wall's map of transmission ignored", _ENCLOSED,
                  'material.transmission * mapped("transmission", 0)', "material.transmission", ENCLOSED),

@@ -74,6 +74,9 @@ void main() {
 #if HAS_TRANSMISSION && !IS_SOLID
     s.film_walls = m.transmission;
 #endif
+#if HAS_TRANSMISSION && REFLECTS && METALNESS != 1 && LIGHT_COUNT > 0
+    vec3 lamp_f0 = mix(s.f0, of_both_faces(s.f0), m.transmission), lamp_f90 = vec3(s.f90);
+#endif
     SurfaceView view = seen_surface(m, s, p);
 #if LIGHT_COUNT > 0
     widen_for_lights(s, view, p);
@@ -124,6 +127,10 @@ void main() {
 #if WOVEN
     radiance += shade_woven(p, occlusion, visible, covered);
 #elif LIGHT_COUNT > 0
+#if HAS_TRANSMISSION && REFLECTS && METALNESS != 1
+    view.dielectric.f0 = lamp_f0; // lamps meet facets at other angles than that of view (raster/glass_reflectance.glsl)
+    view.dielectric.f90 = lamp_f90;
+#endif
     int i = 0;
     do {
         radiance += shade_light(i, p, s, view);

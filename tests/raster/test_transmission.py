@@ -85,6 +85,20 @@ def test_rough_walls_reflect_as_facets_of_both_faces(renderer):
     assert middle(renderer, model, camera)[:3] == pytest.approx(wanted[..., :3].mean(axis=(0, 1)), abs=0.02)
 
 
+@pytest.mark.parametrize("thickness", [0.0, 0.5])
+def test_rough_glass_reflects_a_lamp_away_from_the_mirror(renderer, thickness):
+    """By the facets that it meets, which are seen at another angle than the surface. An environment changes nothing."""
+    black = replace(GLASS, base_color=(0, 0, 0, 1), perceptual_roughness=0.3, thickness=thickness)
+    sun, camera = Light("directional", intensity=10.0, direction=(0, -1, 0)), orthographic(elevation=0.3, height=0.02)
+    model = scene((plate(), facing_floor()), materials=[black], lights=(sun,))
+    settings = Settings.of(mode="path", spp=64)
+    wanted = Tracer(renderer.context).render(model, camera, settings, (16, 16)).linear[..., :3].mean()
+    dark, lit = (middle(renderer, model.relit(environment=constant(), lights=lights), camera)[:3]
+                 for lights in ((), (sun,)))
+    for found in (middle(renderer, model, camera)[:3], lit - dark):
+        assert found == pytest.approx(wanted, rel=0.3)
+
+
 @pytest.mark.parametrize("scale", [0.01, 1.0, 30.0])
 def test_a_body_absorbs_by_its_thickness_in_the_world(renderer, scale):
     """A mesh that is scaled is as much thicker; the distance at which light is attenuated is not."""
