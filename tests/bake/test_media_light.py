@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from media_twins import droplet_phase, henyey_greenstein
 
-from viewer.bake.diffusion import Walls, scattered_light
+from viewer.bake.diffusion import scattered_light
 from viewer.bake.irradiance import HEIGHT
 from viewer.bake.many_lights import uniform_lights
 from viewer.bake.phase import MAPS, scattered_sky
@@ -55,25 +55,6 @@ def test_a_grid_may_have_any_sides():
                              hidden.swapaxes(1, 2), 0.5, (0.9, 0.5, 0.2), 0.3)
     assert np.isfinite(found.fluence).all() and found.fluence.max() < 100
     np.testing.assert_allclose(found.fluence, turned.fluence.swapaxes(1, 2), rtol=1e-3, atol=1e-3)
-
-
-@pytest.mark.parametrize("reflectance", [0.0, 0.5])
-def test_no_light_diffuses_through_walls(reflectance):
-    """A box of them about the light, in a homogeneous medium. Deep inside of it less is left than without, by what the
-    walls keep."""
-    inside = np.zeros((SIDE,) * 3, bool)
-    inside[6:18, 6:18, 6:18] = True
-    between = np.stack([np.diff(inside, axis=axis, append=False) for axis in (2, 1, 0)])
-    light, flux = np.zeros((SIDE, SIDE, SIDE, 4)), np.zeros((3, SIDE, SIDE, SIDE, 4))
-    light[11:13, 11:13, 11:13] = 1.0
-    light[..., 3] = 0.1
-    open_, shut = (scattered_light(np.full((SIDE,) * 3, 4.0), light, flux, np.full((SIDE,) * 3, 0.9), 0.25, (1.0,) * 3,
-                                   0.0, walls).fluence
-                   for walls in (None, Walls(between, np.full(3, reflectance))))
-    assert open_[~inside].min() > 0 and shut[~inside].max() == 0
-    assert 0.5 < shut[12, 12, 12, 0] / open_[12, 12, 12, 0] < 1
-    beside = shut[6, 12, 12, 0] / open_[6, 12, 12, 0]
-    assert beside < 0.6 if reflectance == 0 else beside > 0.6
 
 
 @pytest.mark.parametrize(("tau", "albedo", "g"), [

@@ -232,21 +232,6 @@ def test_no_light_off_a_floor_comes_through_a_ceiling(radiance):
     assert sent(floor, ceiling) < 0.05 * sent(floor)
 
 
-def test_no_light_that_fog_scatters_comes_out_of_a_closed_room(radiance):
-    """Dense fog around a black box with a lamp in it, which shines out once its front is open."""
-    axes = np.eye(4)[[1, 2, 0, 3]]
-    places = [turn @ moved((0, 0, side)) for turn in (axes, axes @ axes, np.eye(4)) for side in (-0.5, 0.5)]
-    camera = orthographic(azimuth=0.4, height=4.0)
-
-    def seen(count: int) -> float:
-        model = scene(*((plate(half=0.5), place) for place in places[:count]),
-                      materials=[replace(BLACK, double_sided=True)],
-                      lights=(replace(LAMP, position=(0.0, 0.0, 0.1)),))
-        return radiance(model, camera, SIZE, fog=2.0, fog_albedo=(1, 1, 1), background="none")[..., :3].mean()
-
-    assert seen(6) < 0.02 * seen(5)
-
-
 def test_the_strongest_lamp_lights_fog_as_others_do(radiance):
     """In proportion to its light, also where fog scatters that again, close to the lamp."""
     weak, strong = (radiance(scene((plate(half=2.0), facing_floor()), lights=(replace(LAMP, intensity=intensity),)),

@@ -4,8 +4,7 @@
 
 phi_0 and F_0 are the fluence and the flux of light that has not been scattered yet, and phi is the fluence of light
 that has (Ishimaru 1978, chapter 9). A phase function with a narrow peak has to lose it first (`similarity.py`). Nothing
-scattered comes in through the faces of the grid: D dphi/dn = -phi / 2 there (Marshak's condition). A wall between two
-cells reflects the share r of what comes to it from each: D dphi/dn = -phi / 2 (1 - r) / (1 + r).
+scattered comes in through the faces of the grid: D dphi/dn = -phi / 2 there (Marshak's condition).
 
 Diffusion is an approximation where a medium is thin. But its error is known for one case: in a medium that absorbs
 nothing, under light of radiance 1 from everywhere, all radiance is 1, so that phi = 4 pi - phi_0. We solve this case,
@@ -29,26 +28,6 @@ _THICKEST = 1e3
 
 
 @dataclass(frozen=True, eq=False)
-class Walls:
-    """What no light passes: `between` (3, n, n, n) says whether it stands between a cell and the next one along x, y
-    and z. Of what comes to it, it reflects `reflectance` (3,), less than 1.
-
-    White walls would change nothing in the furnace, which is solved without them."""
-
-    between: np.ndarray
-    reflectance: np.ndarray
-
-    @property
-    def resistance(self) -> np.ndarray:
-        """phi over the flux into the wall, (3, 1, 1, 1)."""
-        return (2 * (1 + self.reflectance) / (1 - self.reflectance)).astype(np.float32)[:, None, None, None]
-
-    def along(self, axis: int) -> np.ndarray:
-        """Before the cells behind the first ones, along an axis of arrays (k, n, n, n)."""
-        return _before(self.between[_AXES.index(axis)][None], axis)
-
-
-@dataclass(frozen=True, eq=False)
 class Scattered:
     """Light that has been scattered at least once, at the centres of cells.
 
@@ -61,7 +40,7 @@ class Scattered:
 
 
 def scattered_light(extinction: np.ndarray, unscattered: np.ndarray, flux: np.ndarray, hidden: np.ndarray, cell: float,
-                    albedo: tuple[float, float, float], g: float, walls: Walls | None = None) -> Scattered:
+                    albedo: tuple[float, float, float], g: float) -> Scattered:
     """`extinction` (n, n, n) is per unit of length; `cell` is the length of a cell. `unscattered` (n, n, n, 4) is the
     mean fluence in a cell of light before its first collision, and in the last channel that of light that has the
     fluence 1 outside, the same from everywhere. `flux` (3, n, n, n, 4) is the flux of this light along x, y and z.
@@ -79,12 +58,10 @@ def scattered_light(extinction: np.ndarray, unscattered: np.ndarray, flux: np.nd
     carried = [((_before(along, axis) + _after(along, axis)) / 2).astype(np.float32)
                for along, axis in zip(forward, _AXES, strict=True)]
     for face, axis in zip(carried, _AXES, strict=True):
-        if walls is not None:
-            face[:3] *= ~walls.along(axis)
         _before(source, axis)[...] -= face
         _after(source, axis)[...] += face
-    phi = solve(sigma_t, albedos, _reduced(sigma_t, albedos, g), source, walls)
-    flow = [part * scale for part in diffuse_flux(phi, 1.5 * _reduced(sigma_t, albedos, g), carried, walls)]
+    phi = solve(sigma_t, albedos, _reduced(sigma_t, albedos, g), source)
+    flow = [part * scale for part in diffuse_flux(phi, 1.5 * _reduced(sigma_t, albedos, g), carried)]
     lit, furnace = (origin_of((phi * scale)[channels], [part[channels] for part in flow])
                     for channels in (slice(3), slice(3, 4)))
     origin = (lit - furnace) * hidden[..., None]
@@ -94,14 +71,12 @@ def scattered_light(extinction: np.ndarray, unscattered: np.ndarray, flux: np.nd
 
 
 def diffuse_flux(phi: np.ndarray, resistance: np.ndarray,
-                 carried: Sequence[ArrayLike] = (0.0, 0.0, 0.0), walls: Walls | None = None) -> list[np.ndarray]:
+                 carried: Sequence[ArrayLike] = (0.0, 0.0, 0.0)) -> list[np.ndarray]:
     """-D grad phi + 3 D g sigma_s F_0 along x, y and z at the centres, as means of the faces."""
     result = []
     for forward, axis in zip(carried, _AXES, strict=True):
         between = _before(resistance, axis) + _after(resistance, axis)
         face = forward + (_before(phi, axis) - _after(phi, axis)) / between
-        if walls is not None:
-            face[:3] *= ~walls.along(axis)
         along = np.zeros_like(phi)
         _before(along, axis)[...] += face / 2
         _after(along, axis)[...] += face / 2
@@ -127,23 +102,16 @@ def thinned(depth: np.ndarray) -> np.ndarray:
     return np.minimum(depth, _THICKEST).astype(np.float32)
 
 
-def solve(sigma_t: np.ndarray, albedos: np.ndarray, reduced: np.ndarray, source: np.ndarray,
-          walls: Walls | None = None) -> np.ndarray:
+def solve(sigma_t: np.ndarray, albedos: np.ndarray, reduced: np.ndarray, source: np.ndarray) -> np.ndarray:
     """The fluence (k, n, n, n) of k media at once, in cells of side 1, by conjugate gradients that are preconditioned
     by the diagonal. `sigma_t` (n, n, n) or (k, n, n, n) and `albedos` (k, 1, 1, 1) or (k, n, n, n) are those of the
-    media; `reduced` and `source` (k, n, n, n) float32 are 1 / 3 D and the right side of the equation. `walls` stand in
-    the first three media."""
+    media; `reduced` and `source` (k, n, n, n) float32 are 1 / 3 D and the right side of the equation."""
     resistance = 1.5 * reduced  # of half a cell: 1 / (2 D)
     diagonal = sigma_t * (1 - albedos)
     faces = []  # by the cells before them, and 0 for the last, which has none
     for axis in (1, 2, 3):
         face = np.zeros_like(resistance)
         _before(face, axis)[...] = 1 / (_before(resistance, axis) + _after(resistance, axis))
-        if walls is not None:
-            wall = walls.along(axis)
-            _before(face, axis)[:3] *= ~wall
-            for part in (_before, _after):
-                part(diagonal, axis)[:3] += wall / (part(resistance, axis)[:3] + walls.resistance)
         _before(diagonal, axis)[...] += _before(face, axis)
         _after(diagonal, axis)[...] += _before(face, axis)
         faces.append(face.ravel())

@@ -15,7 +15,6 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
-from ..bake.diffusion import Walls
 from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
@@ -34,7 +33,6 @@ from .environment import EnvironmentLight
 from .lights import pack_lights
 from .media_light import DEPTH_SIDE, SIDE, Grid, MediaLight
 from .media_slices import MediaSlices
-from .media_walls import media_walls
 from .shadows import Casters, ShadowMaps
 from .sky_shadows import SkyShadows, mean_surface
 from .units import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_SKY_SHADOWS, UNIT_VOLUME_DEPTH
@@ -91,13 +89,10 @@ class MediaPass:
         self._drop_lights(_KEPT - 1)
         from_sky = environment.sky_lights(plan) if environment is not None else None
         around_meshes, sky_shadows = [], None
-        walls: list[Walls | None] = [None] * len(grids)
         if plan.media.parts_past_meshes:
             around_meshes = [_scene_grid(frame, grids[0].medium)] * plan.media.has_fog
             reflectance = mean_surface(scene, plan.draws, mean).reflectance
             uniforms["u_reflectance"] = tuple(reflectance)
-            if plan.media.scatters_again and not plan.media.has_sky_shadows:  # with these it is known what meshes leave
-                walls = [media_walls(frame, plan.draws, reflectance, grid.corner, grid.length, SIDE) for grid in grids]
             if plan.media.has_sky_shadows and from_sky is not None:
                 sky_shadows = SkyShadows(self._gl, scene, plan, from_sky, casters, reflectance)
                 uniforms |= sky_shadows.uniforms
@@ -105,7 +100,7 @@ class MediaPass:
         parts = (3 * len(grids) + plan.media.parts_past_meshes * (len(grids) + len(around_meshes))
                  + (plan.media.glow is not None))
         light = MediaLight(self._gl, parts, len(plan.lights) if scene.volumes else 0)
-        light.bake(self._programs, plan.media, grids, around_meshes, walls, from_sky, shadows, uniforms)
+        light.bake(self._programs, plan.media, grids, around_meshes, from_sky, shadows, uniforms)
         self._lights.insert(0, (key, light))
         for thing in (*buffers, sky_shadows):
             if thing is not None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import moderngl
 import numpy as np
 
-from ..bake.diffusion import Walls, scattered_light
+from ..bake.diffusion import scattered_light
 from ..bake.many_lights import ManyLights, uniform_lights
 from ..gpu.programs import Programs, matrix_uniform
 from ..plan.media import SKY_LIGHTS, MediaPlan
@@ -59,10 +59,9 @@ class MediaLight:
         self.depths = _cubes(gl, DEPTH_SIDE, -(-lights // 4)) if lights else None
 
     def bake(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], around_meshes: Sequence[Grid],
-             walls: Sequence[Walls | None], sky: ManyLights | None, shadows: ShadowMaps | None,
-             uniforms: dict[str, object]) -> None:
-        """Fill the grids; `walls` stand in `grids`. `sky` is the environment's light in SKY_LIGHTS directions, None
-        without one, and `shadows` has the maps of lights, None without any."""
+             sky: ManyLights | None, shadows: ShadowMaps | None, uniforms: dict[str, object]) -> None:
+        """Fill the grids. `sky` is the environment's light in SKY_LIGHTS directions, None without one, and `shadows`
+        has the maps of lights, None without any."""
         uniforms = uniforms | _sky_uniforms(sky)
         if self.depths is not None:
             steps = self.depths.size[2] // DEPTH_SIDE
@@ -72,7 +71,7 @@ class MediaLight:
             self.depths.use(UNIT_VOLUME_DEPTH)
         off_meshes = self._off_meshes(programs, plan, [*grids, *around_meshes], shadows, uniforms)
         outputs, layers, past_meshes = 7 + plan.has_sky_shadows, [], []
-        for grid, reflected, wall in zip(grids, off_meshes, walls):
+        for grid, reflected in zip(grids, off_meshes):
             is_fog = plan.has_fog and grid is grids[0]
             uniforms["u_light_count"] = plan.bake["LIGHT_COUNT"] - plan.bake["VOLUME_LIGHTS"] * (not is_fog)
             unscattered, hidden, opacity, extinction, *flux = self._draw(
@@ -85,7 +84,7 @@ class MediaLight:
                     arriving, along = arriving + reflected[0], along + reflected[1:]
                 light = scattered_light(
                     extinction[..., 0], _finite(arriving), _finite(along), opacity[..., 0], grid.length / SIDE,
-                    grid.medium.albedo, mean_cosine(grid.medium), wall)
+                    grid.medium.albedo, mean_cosine(grid.medium))
                 scattered[..., :3] = light.fluence / (4 * np.pi)
                 opacity = opacity.copy()
                 opacity[..., 1:] += opacity[..., :1] * light.origin
