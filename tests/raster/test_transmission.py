@@ -99,6 +99,13 @@ def test_rough_glass_reflects_a_lamp_away_from_the_mirror(renderer, thickness):
         assert found == pytest.approx(wanted, rel=0.3)
 
 
+@pytest.mark.parametrize("largest", [{"ior": 1e9, "dispersion": 1e9}, {"iridescence": 1.0, "iridescence_ior": 1e9}])
+@pytest.mark.parametrize("roughness", [0.0, 0.4])
+def test_the_largest_indices_stay_finite(radiance, largest, roughness):
+    body = replace(GLASS, thickness=0.5, perceptual_roughness=roughness, **largest)
+    assert np.isfinite(radiance(scene(sphere(segments=16), materials=[body], environment=constant()), FRONT, (8, 8))).all()
+
+
 @pytest.mark.parametrize("scale", [0.01, 1.0, 30.0])
 def test_a_body_absorbs_by_its_thickness_in_the_world(renderer, scale):
     """A mesh that is scaled is as much thicker; the distance at which light is attenuated is not."""

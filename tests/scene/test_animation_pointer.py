@@ -212,7 +212,7 @@ PATHS = {path: found for kind, _, properties in _KINDS if kind == "material" for
 def test_what_a_pointer_moves_is_as_in_a_file_that_has_it_at_rest(path):
     found = PATHS[path]
     info = PARAMETERS[found.name].info if found.name in PARAMETERS else None
-    least = max(1.0, info.low) if info is not None and info.high == math.inf else 0.0
+    least = max(1.0, info.low) if info is not None and info.high > 1.0 else 0.0
     first, last = (least + np.arange(1, found.size + 1) * step for step in (0.0625, 0.125))
 
     def material(values):

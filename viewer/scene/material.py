@@ -123,9 +123,10 @@ class Material:
 
     Colours are linear Rec. 709. `emissive` is already multiplied by its strength (KHR_materials_emissive_strength),
     and at most 1e30, which leaves float32 room for sums of lights.
-    `ior` is at least 1, or 0, by which KHR_materials_ior means f0 = 1 before the specular parameters are applied. With
-    `thickness` 0 the surface is thin-walled; otherwise it bounds a volume. `shininess` is the exponent of a Phong
-    material (MTL `Ns`), or None if the file has a roughness instead.
+    `ior` is at least 1, or 0, by which KHR_materials_ior means f0 = 1 before the specular parameters are applied. It and
+    `dispersion` are at most 1e9, so that float32 holds the square of every colour's index. With `thickness` 0 the
+    surface is thin-walled; otherwise it bounds a volume. `shininess` is the exponent of a Phong material (MTL `Ns`), or
+    None if the file has a roughness instead.
     """
 
     name: str = ""
@@ -163,7 +164,7 @@ class Material:
     emissive_texture: Texture | None = texture_map(
         "emissiveTexture", "emitted radiance", of=EMISSION, channels="RGB", srgb=True, models=_ALL,
         has_effect=lambda m: any(m.emissive))
-    ior: float = parameter(1.5, "ior", "index of refraction of the dielectric", of=IOR, low=1.0, special=0.0)
+    ior: float = parameter(1.5, "ior", "index of refraction of the dielectric", of=IOR, low=1.0, high=1e9, special=0.0)
     specular: float = parameter(
         1.0, "specularFactor", "weight of the dielectric's reflection", of=SPECULAR, low=0.0, high=1.0,
         times="specular.A")
@@ -199,7 +200,8 @@ class Material:
         (1.0, 1.0, 1.0), "attenuationColor", "transmittance over attenuation_distance", of=VOLUME, low=0.0, high=1.0,
         role="python")
     dispersion: float = parameter(
-        0.0, "dispersion", "20 over the Abbe number: how far colours are refracted apart", of=DISPERSION, low=0.0)
+        0.0, "dispersion", "20 over the Abbe number: how far colours are refracted apart", of=DISPERSION, low=0.0,
+        high=1e9)
     diffuse_transmission: float = parameter(
         0.0, "diffuseTransmissionFactor", "fraction of the diffuse base's light that leaves on the other side",
         of=DIFFUSE_TRANSMISSION, low=0.0, high=1.0, times="diffuse_transmission.A")
@@ -267,7 +269,7 @@ class Material:
     iridescence_texture: Texture | None = texture_map(
         "iridescenceTexture", "weight of the thin film", of=IRIDESCENCE, channels="R", has_effect=IRIDESCENCE.is_on)
     iridescence_ior: float = parameter(
-        1.3, "iridescenceIor", "index of refraction of the film", of=IRIDESCENCE, low=1.0)
+        1.3, "iridescenceIor", "index of refraction of the film", of=IRIDESCENCE, low=1.0, high=1e9)
     iridescence_thickness_minimum: float = parameter(
         100.0, "iridescenceThicknessMinimum", "thickness of the film where its map is 0", of=IRIDESCENCE, low=0.0,
         unit="nm")
