@@ -103,7 +103,8 @@ def test_rough_glass_reflects_a_lamp_away_from_the_mirror(renderer, thickness):
 @pytest.mark.parametrize("roughness", [0.0, 0.4])
 def test_the_largest_indices_stay_finite(radiance, largest, roughness):
     body = replace(GLASS, thickness=0.5, perceptual_roughness=roughness, **largest)
-    assert np.isfinite(radiance(scene(sphere(segments=16), materials=[body], environment=constant()), FRONT, (8, 8))).all()
+    model = scene(sphere(segments=16), materials=[body], environment=constant())
+    assert np.isfinite(radiance(model, FRONT, (8, 8))).all()
 
 
 @pytest.mark.parametrize("scale", [0.01, 1.0, 30.0])

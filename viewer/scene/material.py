@@ -123,10 +123,10 @@ class Material:
 
     Colours are linear Rec. 709. `emissive` is already multiplied by its strength (KHR_materials_emissive_strength),
     and at most 1e30, which leaves float32 room for sums of lights.
-    `ior` is at least 1, or 0, by which KHR_materials_ior means f0 = 1 before the specular parameters are applied. It and
-    `dispersion` are at most 1e9, so that float32 holds the square of every colour's index. With `thickness` 0 the
-    surface is thin-walled; otherwise it bounds a volume. `shininess` is the exponent of a Phong material (MTL `Ns`), or
-    None if the file has a roughness instead.
+    `ior` is at least 1, or 0, by which KHR_materials_ior means f0 = 1 before the specular parameters are applied.
+    It and `dispersion` are at most 1e9, so that float32 holds the square of every colour's index. With `thickness` 0
+    the surface is thin-walled; otherwise it bounds a volume. `shininess` is the exponent of a Phong material (MTL
+    `Ns`), or None if the file has a roughness instead.
     """
 
     name: str = ""
