@@ -11,9 +11,10 @@ from images import image_of
 from little_scenes import NOTHING_MUCH, framing
 from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
+from viewer.errors import UsageError
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
-from viewer.scene.material import Material, Texture
+from viewer.scene.material import Material, Texture, UVTransform
 from viewer.settings import Settings
 
 SIZE = (24, 24)
@@ -110,3 +111,28 @@ def test_light_beyond_float32_leaves_room_for_highlights(radiance, mode):
     lights = Light("directional", intensity=1e200), Light("point", intensity=1e200, position=(0, 0, 1))
     for material in materials:
         radiance(scene(sphere(), materials=[material], lights=lights), orthographic(), SIZE, mode=mode, shadows="off")
+
+
+@pytest.mark.parametrize("transform", [{"offset": (1e300, -1e300)}, {"scale": (1e300, 1e300)}, {"scale": (0.0, 1e-300)},
+                                       {"rotation": 1e300}], ids=str)
+def test_transforms_of_textures_beyond_float32(radiance, transform):
+    texture = Texture(image_of(np.arange(48, dtype=np.uint8).reshape(4, 4, 3)), transform=UVTransform(**transform))
+    radiance(scene(plate(), materials=[Material(base_color_texture=texture)], environment=constant()), orthographic(),
+             SIZE)
+
+
+@pytest.mark.parametrize("name", ["normal", "clearcoat_normal"])
+def test_the_largest_scale_of_a_normal_map(radiance, name):
+    """A normal that is scaled by 1e9 lies in the surface, and no larger one is taken."""
+    texture = Texture(image_of(np.full((4, 4, 3), (128, 200, 220), np.uint8)))
+    material = Material(clearcoat=1.0, **{f"{name}_texture": texture, f"{name}_scale": 1e9})
+    radiance(scene(plate(), materials=[material], environment=constant()), orthographic(), SIZE)
+    with pytest.raises(UsageError, match=r"_scale is 1e\+300, not from -1e\+09 to 1e\+09"):
+        Material(**{f"{name}_scale": 1e300})
+
+
+@pytest.mark.parametrize("reach", [1e-300, 1e-30, 1e38, 1e300])
+def test_the_shortest_and_the_longest_range_of_a_light(radiance, reach):
+    light = Light("point", intensity=10.0, position=(0, 0, 1.0), range=reach)
+    picture = radiance(scene(plate(), materials=[Material(metallic=0.0)], lights=(light,)), orthographic(), SIZE)
+    assert (picture[..., :3].max() > 0) == (reach > 1)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
+from re import escape
 
 import numpy as np
 import pytest
@@ -37,7 +38,8 @@ def test_a_parameter_of_a_material_keeps_to_its_declared_range(parameter):
             assert getattr(viewer.Material(**{parameter.name: value}), parameter.name) == value
     for number in (info.low - 0.25, 2 * info.held + 0.25):
         if math.isfinite(number):
-            with pytest.raises(viewer.UsageError, match=rf"^Material\.{parameter.name} is .*, not .*{info.low:g}"):
+            low = escape(f"{info.low:g}")
+            with pytest.raises(viewer.UsageError, match=rf"^Material\.{parameter.name} is .*, not .*{low}"):
                 viewer.Material(**{parameter.name: filled(parameter, number)})
 
 

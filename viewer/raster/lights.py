@@ -11,6 +11,10 @@ from ..scene.light import BRIGHTEST
 _NEAREST = 1e-8
 """The least square of a distance, which prevents a division by 0 at the light: (1e-4 of the scene's radius)^2."""
 
+_SHORTEST = 1e18
+"""The most of 1 / range, whose square float32 holds. A light of a shorter range than 1e-18 of the scene's radius
+reaches nothing."""
+
 
 def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
     """The lights, (N, 4, 4) float32: position, direction, intensity, cone, in eye-relative units.
@@ -20,7 +24,7 @@ def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
     rows = np.zeros((len(plan.lights), 4, 4))
     for row, light, layer in zip(rows, plan.lights, plan.shadow_layers, strict=True):
         row[0, :3] = frame.position(light.position)
-        row[0, 3] = (frame.unit / light.range) ** 2 if light.range else 0.0
+        row[0, 3] = min(frame.unit / light.range, _SHORTEST) ** 2 if light.range else 0.0
         row[1, :3], row[1, 3] = light.direction, layer
         scale = light.intensity if light.kind == "directional" else light.intensity / frame.unit / frame.unit
         row[2, :3] = np.minimum(np.multiply(light.color, scale), BRIGHTEST)

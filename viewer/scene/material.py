@@ -48,11 +48,12 @@ class UVTransform:
     scale: tuple[float, float] = (1.0, 1.0)
 
     def matrix(self) -> np.ndarray:
-        """The (2, 3) float64 matrix M of uv' = M[:, :2] @ uv + M[:, 2]."""
+        """The (2, 3) float64 matrix M of uv' = M[:, :2] @ uv + M[:, 2]. Its numbers are at most 1e30, which leaves
+        float32 room for their products with uv."""
         cosine, sine = math.cos(self.rotation), math.sin(self.rotation)
         # The sign follows Khronos' TextureTransformTest; the GLSL in the extension's text rotates the other way.
         rotation = np.array([[cosine, sine], [-sine, cosine]])
-        return np.column_stack([rotation * self.scale, self.offset])
+        return np.clip(np.column_stack([rotation * self.scale, self.offset]), -1e30, 1e30)
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,8 @@ class Material:
     Colours are linear Rec. 709. `emissive` is already multiplied by its strength (KHR_materials_emissive_strength),
     and at most 1e30, which leaves float32 room for sums of lights.
     `ior` is at least 1, or 0, by which KHR_materials_ior means f0 = 1 before the specular parameters are applied.
-    It and `dispersion` are at most 1e9, so that float32 holds the square of every colour's index. With `thickness` 0
+    It and `dispersion` are at most 1e9, so that float32 holds the square of every colour's index. The scales of mapped
+    normals are at most 1e9 either way, so that float32 holds the squares of the normals' lengths. With `thickness` 0
     the surface is thin-walled; otherwise it bounds a volume. `shininess` is the exponent of a Phong material (MTL
     `Ns`), or None if the file has a roughness instead.
     """
@@ -149,8 +151,8 @@ class Material:
         neutral=(0.5, 0.5, 1.0, 1.0), has_effect=lambda m: m.normal_scale != 0, needs_tangents=True,
         is_normal=True)
     normal_scale: float = parameter(
-        1.0, "normalTexture.scale", "scales the mapped normal's x and y", of=CORE, role="argument",
-        switch="NORMAL_MAP")
+        1.0, "normalTexture.scale", "scales the mapped normal's x and y", of=CORE, low=-1e9, high=1e9,
+        role="argument", switch="NORMAL_MAP")
     occlusion_texture: Texture | None = texture_map(
         "occlusionTexture", "ambient occlusion: fraction of the environment's light that arrives", of=CORE,
         channels="R", models=_LIT,
@@ -298,7 +300,7 @@ class Material:
         needs_tangents=True, is_normal=True)
     clearcoat_normal_scale: float = parameter(
         1.0, "clearcoatNormalTexture.scale", "scales the x and y of the clear coat's mapped normal", of=CLEARCOAT,
-        role="argument", switch="CLEARCOAT_NORMAL_MAP")
+        low=-1e9, high=1e9, role="argument", switch="CLEARCOAT_NORMAL_MAP")
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = parameter(
         0.5, "alphaCutoff", "if alpha_mode is mask, alpha below the cutoff is a hole", of=CORE, low=0.0,
