@@ -31,6 +31,14 @@ def plan_of(tracer: Tracer, model: Scene) -> TracePlan:
     return path_render.plan
 
 
+@pytest.mark.parametrize("reach", [1e-320, 1e-30, 1e38])
+def test_the_shortest_and_the_longest_range_of_a_light(tracer, reach):
+    light = Light("point", intensity=10.0, position=(0, 0, 1.0), range=reach)
+    with np.errstate(over="raise"):
+        pixels = picture(tracer, scene(plate(), lights=(light,)), orthographic(), SIZE, spp=1)
+    assert (pixels[..., :3].max() > 0) == (reach > 1)
+
+
 @pytest.mark.parametrize("name", NOTHING_MUCH)
 def test_little_or_nothing(tracer, name):
     lights = (Light.from_angles(0.2, 0.5, 2.0), Light("point", intensity=1.0, position=(1, 1, 1)))

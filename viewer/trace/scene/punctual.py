@@ -66,7 +66,8 @@ class LightColumns:
         scale, offset = spot_falloff(*self.angles.T)
         texels = np.zeros((len(self), 3, 4))
         texels[:, 0, :3] = np.where(is_far, -self.direction, self.position)
-        texels[:, 0, 3] = np.where(self.is_far, -1.0, self.reach**-2.0)
+        # No square beyond float64: a light of a range below 1e-18 of the scene's radius reaches nothing.
+        texels[:, 0, 3] = np.where(self.is_far, -1.0, np.maximum(self.reach, 1e-18) ** -2.0)
         texels[:, 1, :3] = self.intensity
         texels[:, 1, 3] = np.where(self.is_spot, scale, 0.0)  # others shine all around
         texels[:, 2, :3] = self.direction
