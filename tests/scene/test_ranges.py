@@ -70,6 +70,7 @@ def test_a_file_is_clamped_to_what_a_material_may_be(number):
 
 
 @pytest.mark.parametrize("make, words", [
+    (lambda: viewer.Material(thickness=10**400), r"Material\.thickness is beyond 1\.8e308"),
     (lambda: viewer.Material(ior=0.5), r"Material\.ior is 0\.5, not 0 or from 1 to 1e\+09"),
     (lambda: viewer.Material(ior=math.inf), r"Material\.ior is inf, not a finite number"),
     (lambda: viewer.Material(normal_scale=math.inf), r"Material\.normal_scale is inf, not a finite number"),

@@ -39,7 +39,11 @@ def expect_number(value: Any, name: str, low: float = -math.inf, high: float = m
     """Raises UsageError if `value` is not a real number from `low` to `high` or `special`, or is NaN. Infinity is a
     number unless `is_finite`."""
     expect(value, Real, name, "a number")
-    if math.isnan(value):
+    try:
+        is_nan = math.isnan(value)
+    except OverflowError:  # of an int
+        raise UsageError(f"{name} is beyond 1.8e308, the largest number that a float holds") from None
+    if is_nan:
         raise UsageError(f"{name} is {value}, not a number")
     if is_finite and math.isinf(value):
         raise UsageError(f"{name} is {value}, not a finite number")
